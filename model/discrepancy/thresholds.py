@@ -84,8 +84,9 @@ LOSS_CHI2 = 2.0
 # Share of the error of predicted lengths below which another of the names that nothing tells apart
 # is written, or the camera moves no points along curves (moves: predictions of benchmarks/worlds).
 LENGTH_ERROR_SHARE = 0.5
-# Share of a length by which a curve that shows the whole sheet may be longer or shorter.
-WHOLE_CURVE_SHARE = 0.02
+# Share of a length by which a curve that shows the whole sheet may be longer or shorter: by more
+# than scales are wrong, and less than what a curve lacks that ends early.
+WHOLE_CURVE_SHARE = 0.05
 # Share of the base model's uncertainty up to which predictions are the same as its own.
 SAME_MEANS_SHARE = 0.1
 # Times that conditions may be left out as outliers.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,19 +17,25 @@ from model.sheet.free_effect import FreeEffect
 
 
 def left_out(
-    base: MixedModelFit, final: MixedModelFit, pool: Sequence[Candidate], groups: list[Index]
+    base: MixedModelFit,
+    final: MixedModelFit,
+    pool: Sequence[Candidate],
+    groups: list[Index],
+    alike: Collection[str] = (),
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Return residuals of rows when they are left out, and what was chosen each time.
 
     Those of the base model, and those of the model that is chosen without them, (N,) each.
 
     The choice is repeated among `pool` each time; where it is one of the final model's effects,
-    that model's columns predict what was left out.
+    or one of the names `alike`, in whose place it has its own, that model's columns predict what
+    was left out. Rows that are in no group stay as they are fitted.
     """
     before, after = refitted(base).copy(), refitted(final).copy()
     new = final.found[len(base.found) :]
     # what is in no catalogue is no choice among names
     own = {one.effect.name for one in new if not isinstance(one.effect, FreeEffect)}
+    own |= {*alike} if own else set()
     chosen = list[str]()
     # with the base model's own noise, scatter would pass for what an effect does in every set-up
     judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
@@ -133,6 +139,15 @@ def scores_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) 
     WX = (weights @ base.linear.data.X)[row_index.run_of, row_index.row_of]
     projected = Projected(weights, WX, covariance, We[row_index.run_of, row_index.row_of])
     return scored(forward, projected, pool)
+
+
+def left_out_rows(fitted: MixedModelFit) -> Index:
+    """Return the rows that are left out in turn: those of positions, and not of free shapes."""
+    groups = position_groups(fitted)
+    if not groups:
+        return np.zeros(0, dtype=np.int64)
+    run_of = fitted.problem.forward.row_index.run_of
+    return np.flatnonzero(np.isin(run_of, np.concatenate(groups)))
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:

@@ -20,7 +20,7 @@ from model.discrepancy.criticism.set_up_scatter import of_set_ups
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
 from model.discrepancy.prepare import DiagnoseOptions, Prepared, setups
-from model.discrepancy.search.cross_validation import left_out, position_groups
+from model.discrepancy.search.cross_validation import left_out, left_out_rows, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.outliers import condition_name
@@ -83,7 +83,7 @@ from model.discrepancy.verdict.result import (
     Verdict,
 )
 from model.discrepancy.verdict.written_model.chosen import Writer, WrittenModel
-from model.discrepancy.verdict.written_model.fitted_model import base_parameters, parameters_of
+from model.discrepancy.verdict.written_model.fitted_model import parameters_of
 from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
 from model.identification.data.outlier_readings import left_out_readings
@@ -198,7 +198,7 @@ class Finding:
             ),
             model=self.written.model,
             plugins=_plugins(),
-            base=base_parameters(reported),
+            base=self.written.base,
             checks=decision.criticism.results,
             choice_sets=decision.choice_sets,
             not_ruled_out=open_still,
@@ -290,13 +290,15 @@ class Finding:
 
     def _left_out(self, pool: Sequence[Candidate], decision: Decision) -> _LeftOut:
         base, final = self.outcome.base, self.written.predicting
-        noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
+        noise = gaps.variance(decision.final)
+        where = gaps.cells(base, self.outcome.outliers).within(left_out_rows(base))
         rivals = [c.name for t in self.outcome.steps[:1] for c in t.ranking if c.known][
             :CROSS_VALIDATED_NAMES
         ]
         names = {*rivals, *(c.effect.name for c in decision.named)}
         few = [c for c in pool if c.name in names]
-        before, after, chosen = left_out(base, final, few, position_groups(base))
+        alike = self.written.not_told_apart
+        before, after, chosen = left_out(base, final, few, position_groups(base), alike)
         both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
         floor = gaps.floor(noise, where)
         closed = None if final is base else gaps.closed_gap(both, floor)

@@ -45,7 +45,8 @@ def seen_at(
     cell = LoadCellReadings.of(model.effects, found, positions_m)
     for at_m, volts in places:
         k = rows[at_m, volts]
-        own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}
+        beside = model.alternating_voltages_V(configuration, volts)
+        own = {v: rows[at_m, v] for v in beside}
         added_N = 0.0 if cell is None else cell.added_N(own, volts)
         then = as_imaged(found.setups[k], model.effects, at_m)
         late = then is not found.setups[k]

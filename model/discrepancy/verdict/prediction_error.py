@@ -26,6 +26,17 @@ class Cells:
     pulse: tuple[Index, ...]  # parts of a pulse
     weight: FloatArray  # (N,) of squares: trends are expected for a reading
 
+    def within(self, rows: Index) -> Cells:
+        """Return those of some rows."""
+
+        def kept(groups: tuple[Index, ...]) -> tuple[Index, ...]:
+            return tuple(group for group in groups if np.isin(group, rows).all())
+
+        return replace(
+            self, force=kept(self.force), curve=kept(self.curve), drift=kept(self.drift),
+            sway=kept(self.sway), pulse=kept(self.pulse),
+        )  # fmt: skip
+
 
 def cells(
     fitted: MixedModelFit, without: Collection[int] = (), configuration: str | None = None

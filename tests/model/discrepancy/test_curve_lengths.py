@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import Curve, Measurements
+from model import Curve, Measurements, SheetModel
 from model.discrepancy.verdict.written_model.curve_lengths import length_error
 from model.identification.fit import fit
+from model.parameter import Parameter
+from model.sheet.beam_problem import ActiveEffect
 from tests.model.discrepancy.sessions import fitted, means_of, session
 
 
@@ -22,8 +24,10 @@ def with_curves(change: Callable[[Curve], Curve | None]) -> Measurements:
     return replace(bare, conditions=tuple(conditions))
 
 
-def longer(curve: Curve) -> Curve:
-    return replace(curve, x_m=1.001 * curve.x_m, y_m=1.001 * curve.y_m)
+def longer(share: float) -> Callable[[Curve], Curve]:
+    return lambda curve: replace(
+        curve, x_m=(1.0 + share) * curve.x_m, y_m=(1.0 + share) * curve.y_m
+    )
 
 
 def cut(curve: Curve) -> Curve:
@@ -32,14 +36,31 @@ def cut(curve: Curve) -> Curve:
     return replace(curve, **rows)
 
 
-def error_of(measured: Measurements) -> float:
-    return length_error(fit(session()).model, fitted(measured).problem.forward)
+def with_scale(share: float) -> SheetModel:
+    """The base model and a camera of another scale."""
+    values = {"relative_error": share, "axis": 0.0}
+    known = {name: Parameter(value=v, sigma=0.0, unit="") for name, v in values.items()}
+    scale = ActiveEffect(name="camera_scale", parameters=known)
+    return replace(fit(session()).model, effects=(scale,))
+
+
+def error_of(measured: Measurements, model: SheetModel | None = None) -> float:
+    return length_error(model or fit(session()).model, fitted(measured).problem.forward)
 
 
 @pytest.mark.slow
 def test_curves_are_as_long_as_predicted_or_longer():
     assert error_of(session()) < 2e-4
-    assert error_of(with_curves(longer)) == pytest.approx(1e-3, abs=1e-4)
+    assert error_of(with_curves(longer(1e-3))) == pytest.approx(1e-3, abs=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.01, 0.03, 0.08])
+def test_a_model_has_no_say_in_which_curves_show_the_whole_sheet(share):
+    """One that was 3 % off was compared at no curve, and so counted as right."""
+    as_measured = error_of(session(), with_scale(share))
+    assert as_measured == pytest.approx(share / (1.0 + share), rel=0.02)
+    assert error_of(with_curves(longer(share)), with_scale(share)) < 2e-3
 
 
 @pytest.mark.slow

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from model.discrepancy.prepare import DiagnoseOptions
-from model.discrepancy.search.cross_validation import left_out, position_groups, predictive_gains
+from model.discrepancy.search.cross_validation import (
+    left_out,
+    left_out_rows,
+    position_groups,
+    predictive_gains,
+    when_left_out,
+)
 from model.discrepancy.search.nonparametric_terms import shapes
 from model.discrepancy.verdict.prediction_error import (
     cells,
@@ -24,7 +30,7 @@ from model.discrepancy.verdict.written_model.left_out_gain import columns_asked_
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import inverse_symmetric
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed
+from tests.model.discrepancy.sessions import Case, Extras, Hiding, base_fit, diagnosed
 
 SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)
 
@@ -57,6 +63,22 @@ def test_a_position_is_left_out_of_both_sheets_and_free_shapes_of_none():
     runs = base_fit().problem.forward.row_index.runs
     assert [{runs[r][1] for r in g} for g in groups] == [{k * 5e-3} for k in range(7)]
     assert all({runs[r][0] for r in g} == {"long", "short"} for g in groups)
+
+
+@pytest.mark.slow
+def test_no_free_shape_counts_among_what_was_left_out():
+    some = Case((), seed=1, extras=Extras(free_shapes=True))
+    base, told = base_fit(some), diagnosed(some).held_out.before
+    where = cells(base)
+    own = where.within(left_out_rows(base))
+    every = [one for v in base.problem.forward.data_vectors for one in v.seen]
+    free = sum(one.free and not one.zero for one in every)
+    assert free > 0
+    assert len(own.force) == len(where.force)
+    assert len(own.curve) == len(where.curve) - free
+    left = when_left_out(base)
+    assert told.curve_rmse_mm == gap_of(left, variance(base), own).curve_rmse_mm
+    assert told.curve_rmse_mm != gap_of(left, variance(base), where).curve_rmse_mm
 
 
 def test_a_model_is_not_more_likely_than_itself():

@@ -17,7 +17,7 @@ from benchmarks.worlds.conditions import unmeasured
 from benchmarks.worlds.registry import world
 from benchmarks.worlds.table import is_worse
 from model import ModelError, SheetModel, predict
-from model.discrepancy import diagnose
+from model.discrepancy import Diagnosis, diagnose
 from model.discrepancy.verdict.messages import not_written, written_instead
 from model.discrepancy.verdict.written_model import chosen
 from model.discrepancy.verdict.written_model.left_out_gain import means_ask_for, predicts_better
@@ -61,10 +61,28 @@ def test_where_the_base_model_predicts_better_the_file_has_it_and_a_note_says_so
     json.dumps(found.to_json(), allow_nan=False)
 
 
+def reported_parameters(found: Diagnosis) -> dict[str, list[float]]:
+    """B and the EIBMs that a diagnosis states."""
+    return {
+        name: [one.value for key, one in own.items() if not key.startswith("EIBM/B")]
+        for name, own in found.base.items()
+    }
+
+
+def written_parameters(found: Diagnosis) -> dict[str, list[float]]:
+    """The same of its model file."""
+    sheets = {name: found.model.sheet(name) for name in found.base}
+    return {
+        name: [one.B.value, *(float(one.eibm[v].values[0]) for v in sorted(one.eibm))]
+        for name, one in sheets.items()
+    }
+
+
 @pytest.mark.slow
 def test_something_unknown_that_says_nothing_of_the_next_position_is_not_written():
     """A stage that was knocked once: the file had waves along the arc, 2.3 times worse."""
     found = diagnose(world("chain").measure(PAPER, {"knocked_stage": 1.9}, 3))
+    assert reported_parameters(found) == written_parameters(found)
     assert found.unknown is not None
     assert found.unknown.location == "position"
     assert not found.model.effects
@@ -81,6 +99,7 @@ def test_of_names_that_nothing_tells_apart_one_with_curves_as_long_as_ever_is_wr
     assert "arc_error" in found.effects[0].confusable_with
     assert found.to_json()["model_effects"] == ["arc_error"]
     assert next(written_instead("camera_scale", "arc_error")) in found.notes
+    assert reported_parameters(found) == written_parameters(found)
     assert next(not_written(True)) not in found.notes
     truth = unmeasured(world("elements"), hidden, seed, PAPER)
     base, written = (errors(model, truth)[1] for model in (fit(measured).model, found.model))

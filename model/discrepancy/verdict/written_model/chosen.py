@@ -5,9 +5,10 @@ Where the data do not tell several names apart it may have another one than is n
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from model.discrepancy.verdict.inferred_form import foretells
 from model.discrepancy.verdict.posterior import choice, with_shapes
 from model.discrepancy.verdict.stated_errors import with_stated_errors
 from model.discrepancy.verdict.written_model.curve_lengths import length_error
-from model.discrepancy.verdict.written_model.fitted_model import sheet_model
+from model.discrepancy.verdict.written_model.fitted_model import base_parameters, sheet_model
 from model.discrepancy.verdict.written_model.left_out_gain import (
     means_ask_for,
     predicts_better,
@@ -29,9 +30,11 @@ from model.discrepancy.verdict.written_model.means_of_fit import theta_of, with_
 from model.discrepancy.verdict.written_model.solvable import unsolved_at
 from model.discrepancy.verdict.written_model.written_form import written
 from model.identification.fit import fit
+from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.options import FitOptions
 from model.measurements import Measurements, ModelError
+from model.parameter import Parameter
 from model.sheet.beam_problem import UNKNOWN
 from model.sheet.sheet_model import SheetModel
 
@@ -46,8 +49,20 @@ class WrittenModel:
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
+    plain: Fit | None = None  # what `model` is of, where it is the base model as `fit` writes it
     instead: str = ""  # the effect that the file has in place of one that is named
     replaced: str = ""  # that one
+    not_told_apart: tuple[str, ...] = ()  # names among which the lengths of curves decided
+
+    @property
+    def base(self) -> dict[str, dict[str, Parameter]]:
+        """B and EIBM of each configuration as the file has them; their ratio without forces."""
+        found = base_parameters(self.predicting)
+        if self.plain is None:
+            return found
+        return {
+            name: _as_fitted(self.plain.configurations[name], own) for name, own in found.items()
+        }
 
     @property
     def has_unknown(self) -> bool:
@@ -74,25 +89,30 @@ class Writer:
         The fit knows curves across themselves. Where some of the names that it does not tell apart
         move points along the sheet, it is the one whose curves are as long as measured.
         """
-        own = self._written(decision)
+        best = own = self._written(decision)
         others = [] if own.without else list(_others(decision))
-        best, least = own, self._length_error(own.model) if others else 0.0
+        least = self._length_error(own.model) if others else None
+        if least is None:
+            return own
         for other in others:
             rival = self._written(other)
             error = self._length_error(rival.model)
-            if not rival.without and error < LENGTH_ERROR_SHARE * least:
+            if not rival.without and error is not None and error < LENGTH_ERROR_SHARE * least:
                 best, least = rival, error
-                names = [one.named[-1].effect.name for one in (decision, other)]
-                best = replace(best, reported=own.reported, replaced=names[0], instead=names[1])
+                first, name = (one.named[-1].effect.name for one in (decision, other))
+                alike = (first, *of_name(first, decision).confusable_with)
+                best = replace(
+                    best, reported=own.reported, replaced=first, instead=name, not_told_apart=alike
+                )
         return best
 
-    def _length_error(self, model: SheetModel) -> float:
-        """Return the relative error of predicted lengths; 0 where nothing shows it."""
+    def _length_error(self, model: SheetModel) -> float | None:
+        """Return the relative error of predicted lengths; None where no curve shows it."""
         try:
             error = length_error(model, self.outcome.base.problem.forward)
         except ModelError:
             return np.inf
-        return 0.0 if np.isnan(error) else error
+        return None if np.isnan(error) else error
 
     def _as_long_as_measured(self, model: SheetModel, reported: MixedModelFit) -> SheetModel:
         """Return a model whose camera moves points along the curves only where their lengths do."""
@@ -104,8 +124,10 @@ class Writer:
             for one, moves in zip(model.effects, moving, strict=True)
         ]
         across = replace(model, effects=tuple(effects))
-        least = LENGTH_ERROR_SHARE * self._length_error(model)
-        return across if self._length_error(across) <= least else model
+        moved, unmoved = self._length_error(model), self._length_error(across)
+        if moved is None or unmoved is None:
+            return model
+        return across if unmoved <= LENGTH_ERROR_SHARE * moved else model
 
     def _written(self, decision: Decision) -> WrittenModel:
         """Return what is written of its names; the first fit with an answer everywhere decides."""
@@ -135,10 +157,15 @@ class Writer:
                 unsolved=unsolved,
             )
         found = reported is not base or decision.free is not None
-        plain = self._of_fit() if found else None
-        if plain is None:
-            plain = self._with_errors(sheet_model(base, self.measurements, self.options))
-        return WrittenModel(reported=reported, predicting=base, model=plain, unsolved=unsolved)
+        plain = self._plain if found else None
+        model = (
+            self._with_errors(sheet_model(base, self.measurements, self.options))
+            if plain is None
+            else plain.model
+        )
+        return WrittenModel(
+            reported=reported, predicting=base, model=model, unsolved=unsolved, plain=plain
+        )
 
     def _with_means_of_fit(
         self, reported: MixedModelFit, model: SheetModel
@@ -148,18 +175,19 @@ class Writer:
         The means do not ask for what was found; so it has no say in them. Both stay as they are
         where there is no such fit.
         """
-        plain = self._of_fit()
+        plain = self._plain
         with suppress(ModelError, np.linalg.LinAlgError):
             if plain is not None:
-                other = with_means_of(plain, model, reported)
+                other = with_means_of(plain.model, model, reported)
                 if other is None:
                     return None
                 if not unsolved_at(other, reported.problem.forward):
                     return replace(reported, theta=theta_of(other, reported)), other
         return reported, model
 
-    def _of_fit(self) -> SheetModel | None:
-        """Return the base model as `fit` writes it; None where that would be another one.
+    @cached_property
+    def _plain(self) -> Fit | None:
+        """The base model as `fit` writes it; None where that would be another one.
 
         The search's own is fitted to more than means, and predicts these a little otherwise.
         """
@@ -168,7 +196,7 @@ class Writer:
             return None
         with suppress(ModelError):
             options = FitOptions(symmetric=asked.symmetric, stiffness_Nm2=asked.stiffness_Nm2)
-            return fit(self.measurements, options).model
+            return fit(self.measurements, options)
         return None
 
     def _with_errors(self, model: SheetModel) -> SheetModel:
@@ -178,6 +206,13 @@ class Writer:
                 model, self.outcome.base.problem.forward, self.outcome.outliers
             )
         return model
+
+
+def _as_fitted(one: ConfigurationFit, found: Mapping[str, Parameter]) -> dict[str, Parameter]:
+    """Return what `fit` says of the same parameters, by the same names."""
+    eibm = {f"EIBM {volts:+g} V": value for volts, value in one.eibm.items()}
+    own = {"B_Nm2": one.B, **eibm}
+    return {name: own.get(name, value) for name, value in found.items()}
 
 
 def _others(decision: Decision) -> Iterator[Decision]:

@@ -37,26 +37,28 @@ def length_error(model: SheetModel, forward: ForwardModel) -> float:
 
 def _errors(model: SheetModel, name: str, some: Sequence[ConditionData]) -> Iterator[float]:
     """Yield those of conditions of one session and configuration."""
-    held = [one for one in some if not (one.free or one.zero or one.tilt_rad)]
-    length_m = model.sheet(name).sheet.free_length_m
+    sheet = model.sheet(name).sheet
+    ends_m = (sheet.free_length_m, sheet.free_length_m + sheet.elongation_m)
     curves = [
-        ((float(one.position_m), float(one.voltage_V)), one.curve)
-        for one in held
-        if one.curve is not None
-    ]
+        ((float(one.position_m), float(one.voltage_V)), one.curve, end_m)
+        for one in some
+        if one.curve is not None and not (one.free or one.zero or one.tilt_rad)
+        and (end_m := _shown(one.curve, ends_m)) is not None
+    ]  # fmt: skip
     if not curves:
         return
-    seen = seen_at(model, name, [place for place, _ in curves])
-    for (_, curve), found in zip(curves, seen, strict=True):
-        end_m = _nearest(curve.s_m[-1], (length_m, float(found.s_m[-1])))
-        error = _length_m(_points(curve)) / _length_m(_at_shares(found, curve, end_m)) - 1.0
-        if abs(error) <= WHOLE_CURVE_SHARE:
-            yield error
+    seen = seen_at(model, name, [place for place, _, _ in curves])
+    for (_, curve, end_m), found in zip(curves, seen, strict=True):
+        yield _length_m(_points(curve)) / _length_m(_at_shares(found, curve, end_m)) - 1.0
 
 
-def _nearest(length_m: float, some_m: Sequence[float]) -> float:
-    """Return the length that a curve shows: that of the sheet, or with its elongation."""
-    return min(some_m, key=lambda one: abs(one - length_m))
+def _shown(curve: Curve, ends_m: Sequence[float]) -> float | None:
+    """Return the length that a curve shows: that of the sheet, or with its elongation.
+
+    None where it shows a part. No prediction has a say: each is compared at the same curves.
+    """
+    end_m = min(ends_m, key=lambda one: abs(one - curve.s_m[-1]))
+    return end_m if abs(curve.s_m[-1] / end_m - 1.0) <= WHOLE_CURVE_SHARE else None
 
 
 def _points(curve: Curve) -> FloatArray:

@@ -7,7 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.search.cross_validation import position_groups, when_left_out
+from model.discrepancy.search.cross_validation import (
+    left_out_rows,
+    position_groups,
+    when_left_out,
+)
 from model.discrepancy.search.form_share import in_time
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
@@ -29,8 +33,7 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
     leads away from what was measured, since a prediction is one amid the session: it must gain a
     good part of what the catalogue's form leaves.
     """
-    where, noise = cells(final), variance(final)
-    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    rows, noise = _left_out_means(final), variance(final)
     if len(position_groups(final)) < FEWEST_POSITIONS or not len(rows):
         return True
     pairs = zip(known.found, known.spans, strict=True)
@@ -63,8 +66,7 @@ def _gain_in_means(base: MixedModelFit, reported: MixedModelFit) -> float:
 
     Infinite where there are too few to tell.
     """
-    where, noise = cells(reported), variance(reported)
-    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    rows, noise = _left_out_means(reported), variance(reported)
     if len(position_groups(reported)) < FEWEST_POSITIONS or not len(rows):
         return np.inf
     none = np.zeros(0, dtype=np.int64)
@@ -81,11 +83,9 @@ def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
     """
     kept, first = list(dict.fromkeys(part_of)), final.spans[-1].start
     every, noise = np.array(part_of), variance(final)
-    run_of = final.problem.forward.row_index.run_of
-    groups = position_groups(final)
-    if len(kept) < 2 or len(groups) < FEWEST_POSITIONS:
+    if len(kept) < 2 or len(position_groups(final)) < FEWEST_POSITIONS:
         return np.arange(len(part_of))
-    rows = np.flatnonzero(np.isin(run_of, np.concatenate(groups)))
+    rows = left_out_rows(final)
 
     def chi2(parts: Sequence[str]) -> float:
         return _chi2(final, first + np.flatnonzero(~np.isin(every, parts)), rows, noise)
@@ -98,6 +98,13 @@ def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
             break
         kept, least = some, min(least, found)
     return np.flatnonzero(np.isin(every, kept))
+
+
+def _left_out_means(fitted: MixedModelFit) -> Index:
+    """Return the rows of mean forces and curves at positions, which are left out in turn."""
+    where = cells(fitted)
+    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    return np.intersect1d(rows, left_out_rows(fitted))
 
 
 def _chi2(fitted: MixedModelFit, without: Index, rows: Index, noise: FloatArray) -> float:
