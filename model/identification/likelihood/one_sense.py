@@ -45,8 +45,14 @@ def within_range(
 
 
 def _to_nothing(parameter: EffectParameter, value: float) -> float | None:
-    """Return the step to where an effect is gone, if that is an end of its range."""
-    if parameter.log or parameter.neutral not in (parameter.low, parameter.high):
+    """Return the step to where an effect is gone, if that is an end of its range.
+
+    A length or time at whose infinity nothing is left stands in the denominator there: as far as a
+    straight line in its logarithm goes, a step of one takes all of it away.
+    """
+    if parameter.log:
+        return 1.0 if parameter.neutral == np.inf else None
+    if parameter.neutral not in (parameter.low, parameter.high):
         return None
     return parameter.neutral - value
 

@@ -6,6 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks.wordings import WORDINGS, worded
+from benchmarks.worlds.cases import PAPER
+from model.discrepancy import diagnose
 from model.discrepancy.prepare import prepare
 from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
@@ -24,6 +27,26 @@ def ahead_of_the_load(m: Measurements) -> Measurements:
         ))
         for one in m.conditions
     ))  # fmt: skip
+
+
+def of_one_sheet(m: Measurements, name: str) -> Measurements:
+    conditions = tuple(one for one in m.conditions if one.configuration == name)
+    return replace(m, conditions=conditions, sheets={name: m.sheets[name]}, series=())
+
+
+@pytest.mark.slow
+def test_an_eibm_that_rises_is_none_that_falls_and_the_file_predicts_it():
+    """A decay length beyond infinity was promised; the file had a form 0.2 mN off the data."""
+    words = next(one for one in WORDINGS if one.words == "rises evenly")
+    hidden = worded(words).measure(PAPER, {"nonuniform_eibm": 0.6}, 4)
+    found = diagnose(of_one_sheet(hidden, "long"))
+    assert not found.effects
+    assert found.unknown is not None
+    assert found.unknown.location == "eibm"
+    assert [one.name for one in found.model.effects] == ["unknown"]
+    assert found.held_out.after.force_rmse_mN < 1.2 * found.floor.force_rmse_mN
+    fitted = diagnose(of_one_sheet(hidden, "long"), DiagnoseOptions(model=found.model))
+    assert fitted.verdict == "nothing_missing"
 
 
 @pytest.mark.parametrize("begins_mN", [0.02, 0.1, 0.2])

@@ -66,12 +66,10 @@ def _gain_in_means(base: MixedModelFit, reported: MixedModelFit) -> float:
 
     Infinite where there are too few to tell.
     """
-    rows, noise = _left_out_means(reported), variance(reported)
-    if len(position_groups(reported)) < FEWEST_POSITIONS or not len(rows):
+    noise = variance(reported)
+    if len(position_groups(reported)) < FEWEST_POSITIONS or not len(_left_out_means(reported)):
         return np.inf
-    none = np.zeros(0, dtype=np.int64)
-    before, after = (_chi2(fitted, none, rows, noise) for fitted in (base, reported))
-    return before - after
+    return left_out_chi2(base, noise) - left_out_chi2(reported, noise)
 
 
 def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
@@ -98,6 +96,11 @@ def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
             break
         kept, least = some, min(least, found)
     return np.flatnonzero(np.isin(every, kept))
+
+
+def left_out_chi2(fitted: MixedModelFit, noise: FloatArray) -> float:
+    """Return the squares of left-out mean forces and curves, in units of the noise (N,)."""
+    return _chi2(fitted, np.zeros(0, dtype=np.int64), _left_out_means(fitted), noise)
 
 
 def _left_out_means(fitted: MixedModelFit) -> Index:

@@ -10,15 +10,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 from typing import cast
 
 import numpy as np
 
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.thresholds import FORM_GAIN_CHI2
+from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.written_model.left_out_gain import (
     columns_asked_for,
     forms_asked_for,
+    left_out_chi2,
     means_ask_for,
 )
 from model.discrepancy.verdict.written_model.model_averaging import averaged_over_forms
@@ -40,7 +44,7 @@ from model.sheet.free_effect import free_effect
 def written(
     known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
 ) -> Iterator[MixedModelFit]:
-    """Yield fits with the forms in the model, and with what is unknown; the best first.
+    """Yield fits with the forms in the model, and with what is unknown; the likeliest first.
 
     `final` is `known` with the columns of the free form, if there is one. Inferred forms, and the
     parts of what is unknown, are in the first one only if left-out positions are predicted better
@@ -63,11 +67,26 @@ def written(
     if not any(one.ways for one in (*found, *unnamed)):
         yield final
         return
-    if not forms_asked_for(known, final):
-        yield from _rigid(known, final, unnamed)
-    yield from _formed(known, final, [*found, *unnamed])
-    yield from _rigid(known, final)
+    first = () if forms_asked_for(known, final) else _rigid(known, final, unnamed)
+    formed_ones = _formed(known, final, [*found, *unnamed])
+    yield from _as_good_as_found(final, chain(first, formed_ones, _rigid(known, final)))
     yield known
+
+
+def _as_good_as_found(
+    final: MixedModelFit, offers: Iterator[MixedModelFit]
+) -> Iterator[MixedModelFit]:
+    """Yield fits as they come, or the best first where the first is worse than what was found.
+
+    A form that the catalogue does not nearly have is no small change of it: with it in the model a
+    fit may end elsewhere than the straight line of the search does.
+    """
+    noise = variance(final)
+    for one in offers:
+        if left_out_chi2(one, noise) <= left_out_chi2(final, noise) + FORM_GAIN_CHI2:
+            yield one
+        else:
+            yield from sorted([one, *offers], key=lambda fit: left_out_chi2(fit, noise))
 
 
 def _formed(
