@@ -16,6 +16,7 @@ from labrig.panel.core.sockets import address_of
 from labrig.panel.job.registry import GOING
 from labrig.panel.live.event_stream import Message
 from labrig.panel.pages.interface import listing
+from labrig.panel.stop.press import NO_RUN
 
 router = APIRouter(prefix="/api")
 _MOST_PRESSES = 16  # of STOP, at a time
@@ -69,10 +70,10 @@ def _press(request: Request, body: StopBody, panel: Panel) -> Message:
     client = request.headers.get("x-labrig-client", "")
     who = panel.control.who(client, address_of(request))
     job = panel.jobs.address
-    if job is None or job.state != GOING:
-        return {"sent": False, "told": "no run is going on"}
-    panel.jobs.ask({"do": "stop", "who": who, "why": body.why})
     panel.actions.add(who, f"pressed STOP{': ' + body.why if body.why else ''}")
+    if job is None or job.state != GOING:
+        return {"sent": False, "told": NO_RUN}
+    panel.jobs.ask({"do": "stop", "who": who, "why": body.why})
     return {"sent": True, "told": "the run was asked to stop"}
 
 

@@ -94,6 +94,7 @@ def _stop_process(settings: PanelSettings) -> Iterator[int]:
         "hosts": sorted(LOOPBACK) if hosts and hosts[0] in LOOPBACK else hosts,
         "token": settings.token,
         "data": str(settings.data),
+        "rig": None if settings.rig is None else str(settings.rig),
         "certificate": None if settings.certificate is None else str(settings.certificate),
         "key": None if settings.key is None else str(settings.key),
     }

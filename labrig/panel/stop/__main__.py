@@ -28,7 +28,7 @@ def main() -> None:
         return
     settings = StopSettings(**json.loads(asked))
     raise_descriptor_limit()
-    line, ended = StopConnection(Path(settings.data)), threading.Event()
+    line, ended = StopConnection(Path(settings.data), settings.rig), threading.Event()
     server = StopServer(settings, line)
     threading.Thread(target=line.watch, args=(ended,), name="line", daemon=True).start()
     server.start()

@@ -29,13 +29,14 @@ _POLL_S = 0.2
 _TICK_S = 0.005
 _UNKNOWN_CODE = 6  # `labrig.errors.ExitCode.OUTPUT_UNKNOWN`
 ENERGISED = "energised"
+NO_RUN = "no run of this panel is going on"
 
 
 @dataclass(frozen=True)
 class Pressed:
     """What became of it."""
 
-    output: str  # safe | armed | energised | unknown
+    output: str  # safe | armed | energised | unknown; empty: it was not read
     took_s: float
     told: str
 
@@ -45,10 +46,15 @@ class Pressed:
 
 
 class StopConnection:
-    """A connection to the present job, opened before it is needed."""
+    """A connection to the present job, opened before it is needed.
 
-    def __init__(self, data: Path) -> None:
+    `rig` is the panel's rig.toml: where no job of the panel is going on, another program may have
+    put a voltage on its output.
+    """
+
+    def __init__(self, data: Path, rig: str | None = None) -> None:
         self._data = data
+        self._rig = rig
         self._lock = threading.Lock()
         self._connection: JobConnection | None = None
         self._address: JobAddress | None = None
@@ -96,7 +102,9 @@ class StopConnection:
             last = read_address(self._data)
             if last is not None and last.code == _UNKNOWN_CODE:
                 return self._read_safe_state(began_s, "the last run left its output unknown")
-            return Pressed("safe", 0.0, "no run is going on")
+            if self._rig is None:
+                return Pressed("", 0.0, f"{NO_RUN}, and it has no rig: nothing was read")
+            return self._read_safe_state(began_s, NO_RUN)
         asked, refused = threading.Event(), list[str]()
         ask = (connection, who, why, asked, refused)
         threading.Thread(target=_ask, args=ask, daemon=True).start()
@@ -123,9 +131,10 @@ class StopConnection:
         """`labrig safe` frees the boards, writes 0 V, reads it back."""
         address = self._address or read_address(self._data)
         self._output = "unknown"
-        if address is None or address.rig is None:
+        rig = self._rig if address is None or address.rig is None else address.rig
+        if rig is None:
             return self._pressed(began_s, f"{text}; switch the amplifier off by hand")
-        command = [sys.executable, "-m", "labrig", "safe", address.rig]
+        command = [sys.executable, "-m", "labrig", "safe", rig]
         try:
             done = subprocess.run(
                 command,

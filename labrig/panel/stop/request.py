@@ -21,6 +21,7 @@ class StopSettings:
     hosts: tuple[str, ...] | None  # by which we may be called; None: any
     token: str
     data: str
+    rig: str | None  # rig.toml's path, where the panel has one
     certificate: str | None
     key: str | None
 

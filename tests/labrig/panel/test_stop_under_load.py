@@ -24,7 +24,7 @@ DEADLINE_S = 10.0  # well above what a head may take
 LIMIT_S = 1.0
 SETTINGS = {
     "host": "127.0.0.1", "port": 0, "scheme": "http", "panel_port": 0, "hosts": None,
-    "token": "of a test", "data": "FOLDER", "certificate": None, "key": None,
+    "token": "of a test", "data": "FOLDER", "rig": None, "certificate": None, "key": None,
 }  # fmt: skip
 
 

@@ -46,7 +46,9 @@
     const word = answer.output.toUpperCase();
     if (answer.output === "safe" || answer.output === "armed") {
       const took = answer.took_s == null ? "" : ` after ${answer.took_s.toFixed(2)} s`;
-      return [`STOP: output ${word}${took}. ${answer.told || ""}`.trim(), "good"];
+      // an armed output is at 0 V, too, and safe in a moment
+      const state = answer.output === "safe" ? "SAFE" : "at 0 V";
+      return [`STOP: output ${state}${took}. ${answer.told || ""}`.trim(), "good"];
     }
     const by_hand = "Switch the amplifier off by hand.";
     return [
@@ -61,9 +63,11 @@
     pressedAt = now;
     show("STOP pressed.", "sent");
     let settled = false;
+    let answered = false; // by the panel, which does not read the output itself
     const urls = stopUrl ? [stopUrl, "/api/stop"] : ["/api/stop"];
     const all = urls.map(function (url) {
       return post(url, why).then(function (answer) {
+        answered = true;
         if (settled) return;
         settled = Boolean(answer.output) || url === stopUrl || !stopUrl;
         const [text, kind] = told(answer, performance.now() - now);
@@ -71,9 +75,9 @@
       });
     });
     setTimeout(function () {
-      if (!settled) {
-        show("STOP was pressed, nobody has answered yet. Switch the amplifier off by hand.", "bad");
-      }
+      if (settled) return;
+      if (answered) show("STOP was pressed. The output is being set to 0 V and read.", "sent");
+      else show("STOP was pressed, nobody has answered yet. Switch the amplifier off by hand.", "bad");
     }, PATIENCE_MS);
     Promise.allSettled(all).then(function (results) {
       if (!settled && results.every((result) => result.status === "rejected")) {
