@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from drivers.interfaces import Clock, DeviceError, Operator, Prompt, in_words
 from protocols.execution.events import (
@@ -81,6 +81,16 @@ class LostReadings:
 def counting(run: PlannedRun) -> list[PlannedReading]:
     """Return the readings that would count."""
     return [each for each in run.readings if each.kind is not ReadingKind.DISCARDED]
+
+
+def all_done(runs: Iterable[PlannedRun], lost: LostReadings) -> str:
+    """Return the end of a session whose runs are done, with what does not count of them."""
+    runs = list(runs)
+    why = [text for run in runs for text in lost.of(run).values()]
+    if not why:
+        return "all runs are done"
+    readings = sum(len(counting(run)) for run in runs)
+    return f"all runs are done; {len(why)} of {readings} readings do not count: {in_short(why)}"
 
 
 def dismounts(actions: list[Action]) -> bool:

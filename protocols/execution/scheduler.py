@@ -82,6 +82,7 @@ from protocols.execution.operator import (
     DeclinedError,
     LostReadings,
     RecordedOperator,
+    all_done,
     dismounts,
     offers,
 )
@@ -209,7 +210,14 @@ class Scheduler:
             if internal and not isinstance(error, Exception):
                 raise  # the interpreter is being ended
             return outcome
-        return self._finish(lambda: (FinishReason.COMPLETED, "all runs are done"), None)
+        return self._finish(lambda: (FinishReason.COMPLETED, self._all_done(schedule)), None)
+
+    def _all_done(self, schedule: Schedule) -> str:
+        """Return how it ended. What was measured again counts in the second run."""
+        again = {run.repeats for run in schedule.repeats if run.index in self._started}
+        return all_done(
+            (run for run in schedule.all_runs if run.index in self._started - again), self._lost
+        )
 
     def mark(self, run: int, reading: int | None, why: str, who: str) -> None:
         """Declare a reading (None: a whole run) invalid. May be called from any thread.

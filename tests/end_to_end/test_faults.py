@@ -121,6 +121,9 @@ def test_a_fault_is_told_in_the_file_too_and_the_output_is_at_0_V_or_said_not_to
     if case.code == DONE:
         assert left.outcome is Outcome.COMPLETED
         assert left.readings == 5
+        assert ("all runs are done;" in last) is bool(left.invalid)
+    if case.code == DONE and case.invalid:
+        assert f"{len(left.invalid)} of {left.readings} readings do not count" in last
     if case.invalid:
         assert left.invalid
         assert all(case.invalid in why for why in left.invalid)

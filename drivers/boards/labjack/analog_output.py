@@ -152,5 +152,5 @@ class LabJackOutput:
     def _doing(self, board_V: float) -> str:
         known = "none was confirmed yet"
         if self._last_V is not None:
-            known = f"the last one confirmed is {self._last_V:g} V"
+            known = f"the last one confirmed is {self._last_V:g} V, before the amplifier"
         return f"writing {board_V:g} V to {self._stage.terminal} (which holds its voltage; {known})"

@@ -184,7 +184,7 @@ class NiVoltageOutput:
     def _doing(self, board_V: float) -> str:
         known = "none was confirmed yet"
         if self._last_V is not None:
-            known = f"the last one confirmed is {self._last_V:g} V"
+            known = f"the last one confirmed is {self._last_V:g} V, before the amplifier"
         return f"writing {board_V:g} V to {self._channel} (which holds its voltage; {known})"
 
 
