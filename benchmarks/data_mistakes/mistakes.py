@@ -70,6 +70,43 @@ def _reversed(m: Measurements, _: Random) -> Made:
     return replace(_conditions(m, change), series=()), np.nan
 
 
+def _two_positions(*, curves_alone: bool) -> Callable[[Measurements, Random], Made]:
+    """Exchange the curves of two positions next to each other, or all that is measured there."""
+
+    def make(m: Measurements, random: Random) -> Made:
+        places = sorted({c.position_m for c in m.conditions if c.position_m is not None})
+        first = int(random.integers(len(places) - 1))
+        other = {places[first]: places[first + 1], places[first + 1]: places[first]}
+
+        def key(c: Condition) -> tuple[object, ...]:
+            return c.configuration, c.voltage_V, c.approach, c.tilt_rad
+
+        curves = {(c.position_m, *key(c)): c.curve for c in m.conditions}
+
+        def change(c: Condition) -> Condition:
+            if c.position_m is None or c.position_m not in other:
+                return c
+            there = other[c.position_m]
+            if not curves_alone:
+                return replace(c, position_m=there)
+            readings = tuple(replace(r, curve=None) for r in c.readings)
+            return replace(c, curve=curves.get((there, *key(c)), c.curve), readings=readings)
+
+        return replace(_conditions(m, change), series=()), np.nan
+
+    return make
+
+
+def _leads_at_one_position(m: Measurements, random: Random) -> Made:
+    places = sorted({c.position_m for c in m.conditions if c.position_m is not None})
+    odd = places[int(random.integers(len(places)))]
+
+    def change(c: Condition) -> Condition:
+        return replace(c, voltage_V=-c.voltage_V) if c.position_m == odd else c
+
+    return replace(_conditions(m, change), series=()), np.nan
+
+
 def _polarity(of: str, only: str = "") -> Callable[[Measurements, Random], Made]:
     """Exchange the curves, or the forces, of opposite voltages."""
 
@@ -221,6 +258,10 @@ MISTAKES = (
             _positions(1e-3, "short"), 0.01),
     Mistake("positions 1000 times too large", ("position_unit",), _positions(1e3), 0.01),
     Mistake("order of positions reversed", ("position_order",), _reversed),
+    Mistake("curves of two positions exchanged", ("exchanged_curves",),
+            _two_positions(curves_alone=True)),
+    Mistake("two positions exchanged", ("exchanged_curves",), _two_positions(curves_alone=False)),
+    Mistake("leads exchanged at one position", ("polarity_at_position",), _leads_at_one_position),
     Mistake("polarities exchanged in the curves", ("polarity",), _polarity("curves")),
     Mistake("polarities exchanged in the forces", ("polarity",), _polarity("forces")),
     Mistake("polarities exchanged in the curves of one sheet", ("polarity",),

@@ -143,7 +143,9 @@ def test_a_refused_zero_keeps_the_task_so_that_closing_can_be_tried_again(simula
     output.open()
     output.write(0.2)
     simulated_ni.server.faults.refuse[WRITES] = -200324
-    with pytest.raises(DeviceError, match=r"writing 0 V .* last one confirmed is 0\.2 V, before the amplifier"):
+    with pytest.raises(
+        DeviceError, match=r"writing 0 V .* last one confirmed is 0\.2 V, before the amplifier"
+    ):
         output.close()
     simulated_ni.server.faults.refuse.clear()
     assert read_back(simulated_ni) == pytest.approx(0.2, abs=2 * LSB_V)

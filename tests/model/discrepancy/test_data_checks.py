@@ -114,6 +114,9 @@ def test_nothing_is_suspicious_about_a_usual_session():
     ("name", "said"),
     [
         ("positions of one sheet in metres", "'short' (position_mm) reach 0.03 mm; multiplied by"),
+        ("curves of two positions exchanged", "are each other's (position_mm in the table of"),
+        ("two positions exchanged", "forces and curves of 'long' and 'short' at"),
+        ("leads exchanged at one position", "the leads seem to have been exchanged there"),
         ("polarities exchanged in the curves", "unless the polarities (voltage_V) are exchanged"),
         pytest.param(
             "tare of 3 to 7 mN forgotten",
