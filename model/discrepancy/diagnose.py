@@ -68,7 +68,7 @@ def next_measurement(
 ) -> Next:
     """Return which measurement separates effects best; raise `ModelError` where none does."""
     options = options or DiagnoseOptions()
-    if len(between) < 2:
+    if len(set(between)) != 2 or len(between) != 2:
         raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
     for name in between:
         effect(name)  # an unknown name is refused before anything is fitted

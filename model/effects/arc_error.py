@@ -29,7 +29,8 @@ class ArcError(Effect):
             beta = along / R + beam.sheet.arc_origin_rad
             towards = np.radians(TOWARDS_DEG[round(p["of"]) - 2])
             x, y = R * np.cos(beta) + c * np.cos(towards), R * np.sin(beta) + c * np.sin(towards)
-            reach, shift = np.hypot(x, y) - R, R * (np.arctan2(y, x) - beta)
+            turned = np.remainder(np.arctan2(y, x) - beta + np.pi, 2.0 * np.pi) - np.pi
+            reach, shift = np.hypot(x, y) - R, R * turned
         else:  # the radius: the same length along the arc is a smaller angle
             reach, shift = np.full(along.shape, c), -along * c / (R + c) * (p["of"] < 0.5)
         return replace(beam, reach_m=beam.reach_m + reach, shift_m=beam.shift_m + shift)

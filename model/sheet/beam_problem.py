@@ -267,6 +267,10 @@ class ActiveEffect:
         """From a model file; `where` names the place in errors."""
         if not isinstance(data, dict) or not isinstance(data.get("name"), str):
             raise ModelError(f"{where}: a table with a name is wanted")
+        for key in data:
+            if key not in _KEYS:
+                known = ", ".join(_KEYS)
+                raise ModelError(f"{where}.{key}: an effect has no such key; it has {known}")
         own = data.get("by_configuration", {})
         if not isinstance(own, dict):
             raise ModelError(f"{where}.by_configuration: a table is wanted")
@@ -293,6 +297,12 @@ class ActiveEffect:
             distribution=str(data.get("distribution", "")),
             across_curve=across_curve,
         )
+
+
+_KEYS = (
+    "name", "parameters", "by_configuration", "configurations", "form", "profile", "slot",
+    "across_curve", "beside_dynamics", "distribution",
+)  # fmt: skip
 
 
 def _counts(numbers: tuple[float, ...], many: int) -> bool:

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
     from model.sheet.predictions import PredictionArray
 
-FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
+# of a model file; the second where a labrig that knows the first would predict without something
+FORMAT, WITH_FORMS = 1, 2
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -194,7 +195,9 @@ class SheetModel(Displayed):
     def to_dict(self) -> dict[str, Any]:
         """Plain tables for a model file."""
         return {
-            "labrig_model": WITH_FORMS if any(e.form for e in self.effects) else FORMAT,
+            "labrig_model": WITH_FORMS
+            if any(e.form or e.across_curve for e in self.effects)
+            else FORMAT,
             "fitted_to": {
                 "file": self.source, "sha256": self.checksum, "held_out": list(self.held_out)
             },

@@ -397,7 +397,9 @@ def test_a_file_says_the_version_that_it_needs_and_the_older_one_is_read(truth: 
     old = truth.with_effects(unknown("eibm", along(0.1, -0.1)))
     terms = (replace(along(0.1, -0.1), configurations=("long",)), along(0.2, along="configuration"))
     new = truth.with_effects(replace(active("clamp_angle", angle_rad=0.02), form=terms))
-    for model, version in ((truth, 1), (old, 1), (new, 2)):
+    camera = replace(active("camera_scale", relative_error=0.01), across_curve=True)
+    across = truth.with_effects(camera)
+    for model, version in ((truth, 1), (old, 1), (new, 2), (across, 2)):
         data = json.loads(json.dumps(model.to_dict()))
         assert data["labrig_model"] == version
         assert SheetModel.from_dict(data).effects == model.effects

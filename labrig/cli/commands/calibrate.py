@@ -21,6 +21,8 @@ Rows = Annotated[int, typer.Option(help="squares down the board")]
 SquareMm = Annotated[float, typer.Option("--square-mm", help="side of a square, as printed")]
 MarkerMm = Annotated[float, typer.Option("--marker-mm", help="side of a marker; 0: checkerboard")]
 
+BOARD = (12, 9, 5.0, 3.6)  # columns, rows, side of a square and of a marker (mm), where not stated
+
 
 def load_cell(
     rig: Annotated[Path, typer.Argument(help="rig.toml")],
@@ -88,10 +90,10 @@ def camera(
     ruler_mm: Annotated[
         float | None, typer.Option("--ruler-mm", help="distance of the ruler's two points, mm")
     ] = None,
-    columns: Columns = 12,
-    rows: Rows = 9,
-    square_mm: SquareMm = 5.0,
-    marker_mm: MarkerMm = 3.6,
+    columns: Columns = BOARD[0],
+    rows: Rows = BOARD[1],
+    square_mm: SquareMm = BOARD[2],
+    marker_mm: MarkerMm = BOARD[3],
 ) -> None:
     """Calibrate the camera with images of a board or a ruler.
 
@@ -124,6 +126,11 @@ def camera(
     clamp = _point(clamp_px, "--clamp-px")
     along = None if along_px is None else _point(along_px, "--along-px")
     if ruler_px is not None and ruler_mm is not None:
+        if len(photographs) > 1 or (columns, rows, square_mm, marker_mm) != BOARD:
+            raise BadInputError(
+                "a ruler is read in one photograph and needs no board: leave further images, "
+                "--columns, --rows, --square-mm and --marker-mm out."
+            )
         u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
         size = (photographs[0].shape[1], photographs[0].shape[0])
         found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=clamp, along_px=along)
@@ -142,10 +149,10 @@ def camera(
 
 def board(
     output: Annotated[Path, typer.Option("--output", "-o", help="the PDF to make")],
-    columns: Columns = 12,
-    rows: Rows = 9,
-    square_mm: SquareMm = 5.0,
-    marker_mm: MarkerMm = 3.6,
+    columns: Columns = BOARD[0],
+    rows: Rows = BOARD[1],
+    square_mm: SquareMm = BOARD[2],
+    marker_mm: MarkerMm = BOARD[3],
 ) -> None:
     """Write the calibration board as a PDF of its true size.
 

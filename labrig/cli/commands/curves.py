@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from labrig.vision import BatchOptions, NeutralCurve
     from labrig.vision.image.tables import LabelledCurve
 
+PORT = 8730  # of the page
 ONE_IMAGE = "--overlay takes one image; use --batch FOLDER -o FOLDER for many."
 
 
@@ -91,7 +92,9 @@ def curves(
         Path | None,
         typer.Option(help="serve a page for the photographs of this folder: click, look, decide"),
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0: any")] = 8730,
+    port: Annotated[
+        int | None, typer.Option(min=0, max=65535, help="of the page; 0: any; default: 8730")
+    ] = None,
     open_it: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
     **facts: object,
 ) -> None:
@@ -127,8 +130,10 @@ def curves(
         others = (sources, optics, sheet, batch, output, summary, overlay, method, strip)
         ways = (configuration, look, extractor, channel, as_json, every > 1, force)
         _refuse_beside_page((*others, *ways, *facts.values()))
-        serve_page(page, port, open_it=open_it)
+        serve_page(page, PORT if port is None else port, open_it=open_it)
         return
+    if port is not None or open_it:
+        raise BadInputError("--port and --open are for --page FOLDER; give that, too.")
     from labrig.cli.curves.options import strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
@@ -151,7 +156,7 @@ def curves(
     if strip:
         refuse_for_several_strips(options.facts)
     if method:
-        extra = (batch, summary, overlay, extractor)
+        extra = (batch, summary, overlay, extractor, as_json)
         _compare(sources, method, options, output, extra, force=force)
         return
     if batch is not None:
@@ -212,8 +217,8 @@ def _compare(
 
     if any(extra):
         raise BadInputError(
-            "--method compares curve extractors: leave --batch, --summary, --overlay and "
-            "--extractor out."
+            "--method compares curve extractors: leave --batch, --summary, --overlay, "
+            "--extractor and --json out."
         )
     if methods == ["list"]:
         list_methods()

@@ -46,6 +46,12 @@ class Calibration:
     warnings: tuple[str, ...] = ()
 
 
+ALONG_ROWS = (
+    "the sheet is taken to leave the clamp along the image's rows, to the right; a second pixel on "
+    "the clamped sheet states another direction (--along-px U,V)"
+)
+
+
 @dataclass(frozen=True)
 class _PlaneFit:
     lens: FloatArray  # k1, k2, p1, p2, k3
@@ -309,6 +315,8 @@ def _as_calibration(
     )
     largest = float(np.hypot(*fit.residuals.T).max())
     warnings = _warnings(residual_px, homography, scale, size)
+    if along_px is None:
+        warnings += (ALONG_ROWS,)
     return Calibration(
         optics=optics,
         residual_px=residual_px,

@@ -69,6 +69,8 @@ def in_levels(image: npt.NDArray[Any], optics: Optics) -> npt.NDArray[Any]:
     """Return floats of 0 to 1, as other programs write them, in levels of the camera."""
     if image.dtype.kind != "f":
         return image
+    if image.ndim == 3 and image.shape[2] == 4:  # how transparent it is has no levels
+        image = on_white(image)
     low, high = float(image.min()), float(image.max())  # a NaN is in no range
     if low >= -UNIT_RANGE_MARGIN and high <= 1 + UNIT_RANGE_MARGIN:
         return np.asarray(image * (2**optics.bits - 1))
@@ -115,7 +117,7 @@ def _grey(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, li
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
     if image.ndim == 3 and image.shape[2] == 4:
-        image = _on_white(image)
+        image = on_white(image)
     if image.ndim == 3 and image.shape[2] == 3:
         if (image[:, :, 0] == image[:, :, 1]).all() and (image[:, :, 1] == image[:, :, 2]).all():
             return np.ascontiguousarray(image[:, :, 0], dtype=np.float32), []
@@ -128,14 +130,19 @@ def _grey(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, li
     return grey, []
 
 
-def _on_white(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return the colours of an image with transparent parts, as they look on white paper."""
+def on_white(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the colours of an image with transparent parts, as they look on white paper.
+
+    image: (rows, columns, 4), integers, or floats from 0 to 1; the last channel is alpha.
+    """
     colours, cover = image[:, :, :3], image[:, :, 3:]
     top = float(np.iinfo(image.dtype).max) if image.dtype.kind == "u" else 1.0
     if (cover == cover.max()).all():
         return colours
-    share = cover.astype(np.float32) / top
-    return np.asarray(colours * share + top * (1 - share)).astype(image.dtype)
+    share = cover.astype(np.float64) / top
+    blended = top - share * (top - colours)
+    whole = np.rint(blended) if image.dtype.kind == "u" else blended
+    return np.asarray(whole).astype(image.dtype)
 
 
 def in_colours(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -143,7 +150,7 @@ def in_colours(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
     if image.ndim == 2:
         image = image[:, :, None]
     if image.shape[2] == 4:
-        image = _on_white(image)
+        image = on_white(image)
     return np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image
 
 

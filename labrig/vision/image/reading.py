@@ -17,6 +17,7 @@ from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
 from labrig.files import AnyPath, path_of
 from labrig.vision.image.films import frames_in
+from labrig.vision.image.image import on_white
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import (
     TIFF_SUFFIXES,
@@ -168,10 +169,7 @@ def _on_white(whole: Pixels, opaque: Pixels) -> Pixels:
     top = np.iinfo(whole.dtype).max
     if whole.ndim != 3 or whole.shape[2] != 4 or whole[..., 3].min() == top:
         return opaque
-    share = whole[..., 3:] / top
-    colours: Pixels = np.rint(top - share * (top - whole[..., :3].astype(float))).astype(
-        whole.dtype
-    )
+    colours = on_white(whole)
     return colours if opaque.ndim == 3 else colours[..., 0]
 
 

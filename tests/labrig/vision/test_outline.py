@@ -17,7 +17,7 @@ from labrig.vision.fit.outline_blocks import measure_blocks, without_lonely
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.fit.thickness import visible_thickness_m
 from labrig.vision.image.downscaling import in_camera_pixels
-from labrig.vision.image.image import read_grey_image
+from labrig.vision.image.image import in_levels, read_grey_image
 from labrig.vision.image.overlay import picture_with
 from labrig.vision.search.work import OutlineWork
 from tests.cases import few
@@ -377,13 +377,14 @@ def test_a_channel_may_be_chosen():
     assert not any("colour" in text for text in curve.warnings)
 
 
-@pytest.mark.thorough
-def test_transparent_ground_is_white():
+@pytest.mark.parametrize("full", [255, 1.0])
+def test_transparent_ground_is_white(full):
+    """Of floats from 0 to 1 it was 255 times as transparent."""
     line = arc(140, 0.8)
     across, _ = beside(line)
-    image = np.zeros((*SIZE, 4), np.uint8)
-    image[:, :, 3] = 255 * (np.abs(across) < 6)
-    curve = neutral_curve(image, stated(), UNKNOWN)
+    image = np.zeros((*SIZE, 4), np.uint8 if full == 255 else np.float64)
+    image[:, :, 3] = full * (np.abs(across) < 6)
+    curve = neutral_curve(in_levels(image, stated()), stated(), UNKNOWN)
     assert curve.ok, curve.why
     assert curve.polarity == "dark"
 

@@ -577,6 +577,9 @@ def test_what_tells_two_effects_apart_is_on_the_menu():
     assert found.why.endswith(", to separate gravity from clamp angle")
 
 
-def test_one_effect_cannot_be_told_apart():
+@pytest.mark.parametrize(
+    "names", [("gravity",), ("gravity", "gravity"), ("gravity", "clamp_angle", "force_offset")]
+)
+def test_two_effects_can_be_told_apart_and_neither_one_nor_three(names):
     with pytest.raises(ModelError, match="name two effects to be told apart"):
-        next_measurement(means_of(session()), ("gravity",))
+        next_measurement(means_of(session()), names)

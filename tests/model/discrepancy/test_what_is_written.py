@@ -135,6 +135,8 @@ def test_a_camera_moves_no_point_along_curves_that_are_as_long_as_the_sheet():
     assert ActiveEffect.from_dict(effect.to_dict(), "effect") == effect
     with pytest.raises(ModelError, match=r"effect\.across_curve: true or false"):
         ActiveEffect.from_dict({**effect.to_dict(), "across_curve": "yes"}, "effect")
+    with pytest.raises(ModelError, match=r"effect\.across_curves: an effect has no such key"):
+        ActiveEffect.from_dict({**effect.to_dict(), "across_curves": True}, "effect")
     truth = unmeasured(world("shooting"), hidden, seed, PAPER)
     base, written = (errors(model, truth)[1] for model in (fit(measured).model, found.model))
     assert written < 0.7 * base

@@ -802,3 +802,15 @@ def test_the_loop_of_one_run_is_that_of_each_of_several():
         each = [hung(f, p, 4e-4, **begins) for f, p in zip(force_N, position_m, strict=True)]
         np.testing.assert_array_equal(both, each)
     assert hung(force_N[0, :0], position_m[0, :0], 4e-4, from_no_load=True).shape == (0,)
+
+
+@pytest.mark.parametrize("origin_deg", [0.0, 100.0, 170.0, -175.0])
+def test_an_arc_whose_centre_is_beside_the_clamp_moves_all_positions_a_little(origin_deg):
+    """Beyond half a turn they were moved by a whole one."""
+    beam, contact = example_beam()
+    turned = replace(beam, sheet=replace(beam.sheet, arc_origin_rad=np.radians(origin_deg)))
+    p = values("arc_error", offset_mm=1.0, of=2.0)  # the centre is 1 mm along x
+    moved = effect("arc_error").beam(turned, contact, p)
+    angle = np.nan_to_num(beam.stated_m) / RADIUS_M + np.radians(origin_deg)
+    assert moved.reach_m - beam.reach_m == pytest.approx(1e-3 * np.cos(angle), abs=2e-5)
+    assert moved.shift_m - beam.shift_m == pytest.approx(-1e-3 * np.sin(angle), abs=5e-5)
