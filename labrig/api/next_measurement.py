@@ -77,7 +77,8 @@ def next_measurement(
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`.
         between: names of two effects; default: those that the diagnosis cannot tell apart. A
-            session that holds no diagnosis is then diagnosed first, and keeps the diagnosis.
+            session that holds no diagnosis is then diagnosed first, and keeps the diagnosis; tables
+            and `Measurements` are diagnosed.
         sheet: sheet.toml, with the CSV tables below in place of sessions.
         forces: forces.csv.
         curves: curves.csv.
@@ -152,6 +153,8 @@ def proposed(
     usual = options.model is None and not options.symmetric
     if first is not None and (between is None or usual):
         diagnosis = _diagnosis_of(first, measurements, between, options, progress)
+    elif between is None:
+        diagnosis = diagnosed(measurements, options, progress)
     found = proposal(measurements, diagnosis, between, options)
     return NextMeasurement(proposal=found, protocol=protocol_text(found, measurements, first))
 

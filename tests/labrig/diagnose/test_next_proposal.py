@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
 
 import pytest
 
+import labrig
 from labrig.errors import BadInputError
 from labrig.experiment.next_measurement.proposal import pair_of, proposal
 from labrig.report.diagnosis.tables import verdict_title
@@ -56,3 +58,12 @@ def test_names_that_are_not_ruled_out_are_told_apart():
     found = replace(made.cannot_tell(), not_ruled_out=open_still)
     assert pair_of(found) == ("gravity", "clamp_angle")
     assert pair_of(replace(found, not_ruled_out={"gravity": 0.3, "unknown": 0.2})) is None
+
+
+def test_tables_are_diagnosed_where_nobody_names_two_effects(monkeypatch):
+    """It told to run `labrig diagnose` first, which keeps nothing of tables."""
+    found = made.indistinguishable()
+    module = importlib.import_module("labrig.api.next_measurement")
+    monkeypatch.setattr(module, "diagnosed", lambda *_: found)
+    said = labrig.next_measurement(measure("long"))
+    assert said.proposal == found.next_measurement
