@@ -185,7 +185,7 @@ def test_where_the_data_stop_the_search_no_model_is_written_and_that_is_said(
     [
         (["gravity", "magnetism"], "there is no effect 'magnetism'"),
         (["gravity", "gravity"], "name two different effects"),
-        ([], "name two effects with --between"),
+        pytest.param([], "the diagnosis names no two effects", marks=pytest.mark.slow),
     ],
 )
 def test_next_wants_two_effects_of_the_catalogue(between, says, measured, tmp_path, capsys):
