@@ -62,6 +62,10 @@ def test_a_run_that_the_guard_has_ended_says_so_and_that_the_output_is_at_0_V(fa
     page = visit(f"{fake.url}#/run")
     said = "the output guard has ended this run (the program hangs); 0 V written and read back"
     fake.tell({**made_up.story()[0], "state": "lost", "text": said})
+    # what reads a session's file waits until it is whole again
+    page.locator(".runbar").get_by_role("button", name="Recover").wait_for()
+    assert not page.get_by_text("Replay it").is_visible()
+    assert not page.get_by_text("Show the result").is_visible()
     until(page, LAMP, "UNKNOWN")
     fake.tell({"type": "output", "time_s": None, "state": "safe", "why": said, "by": "guard"})
     until(page, LAMP, "SAFE")

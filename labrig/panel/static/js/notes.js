@@ -7,6 +7,11 @@ import { get, post, query } from "./net.js";
 const THUMBNAIL_PX = 240;
 const PHOTOGRAPH_MB_MAX = 16;
 
+/** Whether there is a session of the present job, and its file can be read. */
+function readable({ job, plan }) {
+  return job?.state !== "lost" && Boolean(plan?.session ?? job?.session);
+}
+
 /** The card of notes. `session`: its name; null: the one that is run now, or was last. */
 export class Notes {
   constructor(app, session = null) {
@@ -61,7 +66,10 @@ export class Notes {
 
   async read() {
     const asked = (this.asked = {});
-    const found = await get(`/api/notes?${query({ session: this.session })}`).catch(() => null);
+    const none = this.session === null && !readable(this.app.job);
+    const found = none
+      ? null
+      : await get(`/api/notes?${query({ session: this.session })}`).catch(() => null);
     if (asked !== this.asked) return;
     this.element.hidden = !found?.session;
     if (!found?.session) return;

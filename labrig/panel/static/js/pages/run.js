@@ -1,9 +1,10 @@
 // The run as it goes on.
 
-import { h, setText } from "../dom.js";
+import { h, put, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { get, post } from "../net.js";
 import { Notes } from "../notes.js";
+import { recoverButton, recoveredPlace } from "../recover.js";
 
 /** Show the present job. */
 export function mount(place, app) {
@@ -58,7 +59,8 @@ function lastRun(job) {
 }
 
 /** What is running, the gentle stop, whose model is drawn; or the way to a new run. */
-function runBar({ job, control }) {
+function runBar(app) {
+  const { job, control } = app;
   const name = h("strong", { class: "runbar-name" });
   const fault = h("span", { class: "fault", role: "alert" });
   const gentle = h(
@@ -78,6 +80,8 @@ function runBar({ job, control }) {
   const begin = h("a", { class: "button", href: "#/new" }, "New run");
   const replay = h("a", { class: "button" }, "Replay it");
   const result = h("a", { class: "button" });
+  const recover = h("span");
+  const recovered = recoveredPlace();
   const act = async (work) => {
     setText(fault, control.why());
     if (fault.textContent) return;
@@ -102,6 +106,8 @@ function runBar({ job, control }) {
     begin,
     replay,
     result,
+    recover,
+    recovered,
   );
   const notice = h("p", { class: "notice card", role: "status", hidden: true });
   const update = () => {
@@ -129,8 +135,14 @@ function runBar({ job, control }) {
           : "Pause after this position",
     );
     begin.hidden = job.going;
-    replay.hidden = job.going || !session || !job.started;
-    result.hidden = !session || !job.started || job.job?.kind !== "run";
+    const lost = job.job?.state === "lost" && Boolean(session); // its file was not closed
+    if (lost && recover.dataset.session !== session) {
+      recover.dataset.session = session;
+      put(recover, recoverButton(app, session, recovered));
+    }
+    recover.hidden = recovered.hidden = !lost;
+    replay.hidden = job.going || lost || !session || !job.started;
+    result.hidden = lost || !session || !job.started || job.job?.kind !== "run";
     setText(result, job.going ? "The result so far" : "Show the result");
     result.classList.toggle("main", !job.going);
     if (session) result.setAttribute("href", `#/result?session=${encodeURIComponent(session)}`);
