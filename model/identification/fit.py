@@ -196,7 +196,9 @@ def _left_out(measurements: Measurements, parts: Collection[str]) -> list[str]:
     found: dict[tuple[str, str], list[str]] = {}
     for c in measurements.conditions:
         if c.position_m is not None and c.configuration in parts and c.readings and not c.used():
-            why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
+            taken = any(r.kind != "discarded" for r in c.readings)
+            none = "no reading is valid" if taken else "no reading that counts was taken"
+            why = "; ".join(sorted({r.why for r in c.readings if r.why})) or none
             place = f"{c.configuration}, {c.position_m * 1e3:g} mm"
             found.setdefault((place, why), []).append(in_volts(c.voltage_V))
     return [

@@ -12,12 +12,13 @@ import pytest
 from drivers.interfaces import DeviceIdentity
 from labrig.cli.main import run
 from labrig.errors import BadInputError
-from labrig.report.data.findings import Findings
+from labrig.progress import silent
+from labrig.report.data.findings import Findings, measured
 from labrig.report.data.fitted import FittedSheets
 from labrig.report.page.summary import remarks
 from labrig.report.page.write import write_report
 from labrig.report.parts.svg import inline
-from labrig.session import export_session, import_session, open_session
+from labrig.session import export_session, import_session, open_session, store_measurements
 from labrig.session.format.devices import RecordedDevice
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 
@@ -163,13 +164,23 @@ def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
     assert "Figure 7." in text
 
 
+def test_whoever_reads_a_session_stopped_half_way_is_told(tmp_path):
+    """`labrig fit` said only what it had left out, and that was not all that is missing."""
+    path, told = stopped_session(tmp_path / "half.h5", after_runs=1), []
+    store_measurements(path, measure("long"))
+    measured(path, silent, told.append)
+    (text,) = told
+    assert "half.h5: this session was not completed (aborted): 1 of its 4 runs" in text
+
+
 @pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
     told = []
     text = read(write_report(path, tell=told.append))
-    assert "not analysed yet" in told[0]
+    assert "not completed (aborted): 1 of its 4 runs are complete" in told[0]
+    assert "not analysed yet" in told[1]
     assert "The session did not end as planned: aborted (stopped by Ctrl-C)." in text
     assert "1 of 4" in text
 

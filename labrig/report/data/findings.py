@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +19,7 @@ from labrig.report.data.suspicions import suspicions
 from labrig.session import RecordedSession, load_measurements, open_session, stored_curve_extractor
 from labrig.session.supplements.store import check_can_be_added_to
 from model import Fit, FitOptions, Measurements, ModelError
+from protocols.execution.events import Outcome
 
 if TYPE_CHECKING:
     from model.discrepancy import Suspicion
@@ -82,14 +83,16 @@ def measured(
 ) -> Measurements:
     """Return a session's measurements, analysed now where that was not done or is out of date.
 
-    `tell` reports it, and what the analysis warns of. Where the session cannot be changed the
-    result is not kept in it.
+    `tell` reports it, what the analysis warns of, and that a session was not completed. Where the
+    session cannot be changed the result is not kept in it.
 
     `processes`: how many search for curves at a time. More than one need a script that is
     importable, so what a script may call takes one, and the command line `workers`.
     """
     with open_session(path) as session:
         known, outdated = session.has_measurements, session.outdated
+        for text in _cut_short(session):
+            tell(f"{path}: {text}")
     if known and not outdated:
         return load_measurements(path)
     from labrig.analysis.analyze import analyze, measure
@@ -111,6 +114,16 @@ def measured(
     if len(found.warnings) > FEW_WARNINGS:
         tell(f"{path}: `labrig report` shows all {len(found.warnings)} warnings of the analysis.")
     return found
+
+
+def _cut_short(session: RecordedSession) -> Iterator[str]:
+    """Yield why runs are missing, where a session was not completed."""
+    if session.runs and session.outcome is not Outcome.COMPLETED:
+        done = sum(run.started and run.completed for run in session.runs)
+        yield (
+            f"this session was not completed ({session.outcome.value}): {done} of its"
+            f" {len(session.runs)} runs are complete"
+        )
 
 
 def workers() -> int:
