@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from labrig.cli.screen import say
 
+INSTRUMENTS = ("load_cell", "camera")  # locations of effects that leave the sheet as it is
+
 if TYPE_CHECKING:
     from model import SheetModel
     from model.sheet.misfit import Misfit
@@ -37,6 +39,25 @@ def say_errors(found: Iterable[Misfit], model: SheetModel) -> None:
         say(
             f"The prediction leaves out what changes along a run ({', '.join(left_out)}); the data "
             "have it, so these errors may be larger than those of the diagnosis."
+        )
+
+
+def say_as_seen(model: SheetModel) -> None:
+    """Print that forces and shapes are those of the instruments, where the model has such effects.
+
+    The sheet's own are what `labrig design` computes with.
+    """
+    from model.effects import effect, title
+
+    names = [
+        title(one.name)
+        for one in model.effects
+        if (one.location or effect(one.name).location) in INSTRUMENTS
+    ]
+    if names:
+        say(
+            f"F and shape are what load cell and camera show, with {', '.join(names)}; "
+            "`labrig design` has the sheet's own."
         )
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, TypeVar
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.model_errors import say_errors
+from labrig.cli.model_errors import say_as_seen, say_errors
 from labrig.cli.options import EachConfiguration, Json, ModelFile, OwnEibm, StatedStiffness
 from labrig.cli.screen import print_json, print_table, say
 from labrig.cli.stated_model import StatedModel
@@ -137,6 +137,7 @@ def _at_rest(
         return
     table = found.summary()
     print_table(f"{stated.path}", table.columns, table.rows)
+    say_as_seen(found.model)
     say_errors(found.errors, found.model)
 
 

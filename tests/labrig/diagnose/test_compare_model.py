@@ -46,6 +46,19 @@ def test_simulate_says_which_effects_a_prediction_at_rest_leaves_out(tmp_path, c
         assert ("leaves out what changes along a run (first pulse transient)" in out) is told
 
 
+def test_simulate_says_that_forces_are_those_that_the_load_cell_shows(tmp_path, capsys):
+    """A zero of the load cell was taken for the sheet's force."""
+    zero = Parameter(value=0.2, sigma=0.0, unit="mN")
+    offset = ActiveEffect(name="force_offset", parameters={"force_mN": zero})
+    asked = ["--position-mm", "12", "--voltage", "2"]
+    for effects, told in (((named_effect(), offset), True), ((named_effect(),), False)):
+        path = tmp_path / f"{len(effects)}.toml"
+        save_model(constant(truth("long")).with_effects(*effects), path)
+        assert run(["simulate", str(path), *asked]) == 0
+        out = " ".join(capsys.readouterr().out.split())
+        assert ("what load cell and camera show, with force offset;" in out) is told
+
+
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
