@@ -246,7 +246,7 @@ def _active(model: SheetModel | None, names: list[str], scale: RigScale) -> tupl
     for one in model.effects:
         entry = effect_of(one).at_scale(scale)
         acts = [name for name in names if one.values(name) is not None]
-        shared = {k.name: k.prior_scale for k in entry.parameters}
+        shared = {k.name: k.unstated for k in entry.parameters}
         values = {
             name: {**shared, **{k: v for k, v in (one.values(name) or {}).items() if k in shared}}
             for name in acts

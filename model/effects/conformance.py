@@ -146,6 +146,7 @@ def _faults_of_amplitude(amplitude: EffectParameter) -> Iterator[str]:
 # -------------------------------------------------------------------------------------- behaviour
 
 Results = dict[str, FloatArray]
+STRETCHED = 0.3  # change of a length, and movement along the curve, over the movement's size
 GIVEN = "changed what it was given"  # a result beside those that an effect makes
 
 
@@ -339,6 +340,26 @@ def _everywhere(effect: Effect) -> Iterator[dict[str, float]]:
         }
 
 
+def _says_whether_it_stretches_curves(effect: Effect) -> Iterator[str]:
+    points = example_points()
+    moved = effect.curve(points, plausible(effect))
+    if moved is None:
+        return
+    size = float(np.sqrt(np.mean(moved[0] ** 2 + moved[1] ** 2)))
+    along = moved[0] * points.normal_y - moved[1] * points.normal_x  # the tangent is (n_y, -n_x)
+    before, after = (_lengths(points.x_m + a, points.y_m + b) for a, b in ((0.0, 0.0), moved))
+    longer, aside = float(np.max(np.abs(after - before))), float(np.sqrt(np.mean(along**2)))
+    if not effect.moves_along_sheet and longer > STRETCHED * size and aside > STRETCHED * size:
+        yield "it moves points along the sheet and makes curves longer: set moves_along_sheet"
+    if effect.moves_along_sheet and longer < 0.1 * STRETCHED * size:
+        yield "curves are as long as before: moves_along_sheet must not be set"
+
+
+def _lengths(x_m: FloatArray, y_m: FloatArray) -> FloatArray:
+    """Return the length of each curve, its points being in the last axis."""
+    return np.asarray(np.sum(np.hypot(np.diff(x_m), np.diff(y_m)), axis=-1))
+
+
 _CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (
     _returns_what_it_must,
     _keeps_shapes_and_is_finite,
@@ -347,5 +368,6 @@ _CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (
     _changes_nothing_it_was_given,
     _does_not_remember,
     _derives_what_it_names,
+    _says_whether_it_stretches_curves,
     _is_of_plausible_size,
 )

@@ -84,6 +84,11 @@ class EffectParameter:
     # the unit by which its usual size goes with that of the session; empty: its own
     scales_as: str = ""
 
+    @property
+    def unstated(self) -> float:
+        """The value that it has where a model states none."""
+        return self.neutral if self.estimated else self.prior_scale
+
     def at_scale(self, scale: RigScale) -> EffectParameter:
         """Return the parameter with what is usual in a session of another size."""
         factor = scale.of_unit(self.scales_as or self.unit)
@@ -138,7 +143,8 @@ class Effect:
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
     # whether at 0 V it depends on how the sheet came there, which its form cannot know
     by_history: bool = False
-    # whether it moves points of a curve along the sheet, which their lengths alone show
+    # of the camera: whether it makes curves longer or shorter, as a scale does. A fit compares
+    # curves across themselves, so that their lengths alone show it
     moves_along_sheet: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     # whether the base model has its plain shape as a parameter, unless asked to be symmetric

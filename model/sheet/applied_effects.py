@@ -65,8 +65,7 @@ def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
     for parameter in effect.parameters:
         if parameter.name not in values and parameter is effect.amplitude:
             raise ModelError(f"the effect '{effect.name}' of the model lacks its {parameter.name}")
-        usual = parameter.neutral if parameter.estimated else parameter.prior_scale
-        value = values.get(parameter.name, usual)
+        value = values.get(parameter.name, parameter.unstated)
         # lengths and forces have the bounds of their session, which a model does not know
         if not _has_size(parameter) and not parameter.low <= value <= parameter.high:
             raise ModelError(

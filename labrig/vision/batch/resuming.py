@@ -88,7 +88,8 @@ def _labrig() -> str:
     import scipy
 
     total = hashlib.sha256(repr([m.__version__ for m in (cv2, np, numba, scipy)]).encode())
-    for path in sorted(Path(__file__).parents[1].rglob("*")):
+    vision = Path(__file__).parents[1]
+    for path in sorted([*vision.rglob("*"), *(vision.parent / "extractors").rglob("*")]):
         if "__pycache__" not in path.parts and path.is_file():
             total.update(path.read_bytes())
     return total.hexdigest()

@@ -155,6 +155,16 @@ def made(kind: type[Effect] = Offset, **other) -> Effect:
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "stretches", "said"),
+    [("camera_scale", False, "makes curves longer"), ("camera_roll", True, "as long as before")],
+)
+def test_an_effect_of_the_camera_says_whether_it_makes_curves_longer(name, stretches, said):
+    """A plug-in that does not would have predictions with points moved along the sheet."""
+    (fault,) = faults(replace(EFFECTS[name], moves_along_sheet=stretches))
+    assert said in fault
+
+
 def test_a_good_effect_of_somebody_else_conforms():
     assert faults(made()) == []
 

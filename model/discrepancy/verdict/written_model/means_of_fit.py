@@ -53,7 +53,8 @@ def with_means_of(
             begun, name, asked, 1e-3 * units.force_rmse_mN, 1e-3 * units.curve_rmse_mm
         )
         sheets[name] = matched.to(plain)
-        if timely and _miss(replace(model, sheets=sheets), plain, name, asked) > SAME_MEANS_SHARE:
+        missed = _miss(replace(model, sheets=sheets), plain, name, asked) if timely else 0.0
+        if not missed <= SAME_MEANS_SHARE:  # so written, what is no number is no match
             return None
     return replace(model, sheets=sheets)
 
