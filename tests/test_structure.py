@@ -203,3 +203,10 @@ def test_the_architecture_page_is_made_from_the_code_as_it_is():
     architecture.import_lines = lambda path: nodes(path)[ast.Import] + nodes(path)[ast.ImportFrom]
     kept = (ROOT / "docs" / "reference" / "architecture.md").read_text(encoding="utf-8")
     assert kept == architecture.page(), "run `python docs/architecture.py`"
+
+
+@pytest.mark.parametrize("package", [name for name in PACKAGES if name != "sim_hardware"])
+def test_contributing_names_every_folder_of_a_package(package):
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    folders = [path.parent.name for path in (ROOT / package).glob("*/__init__.py")]
+    assert [name for name in sorted(folders) if f"`{name}`" not in text] == []
