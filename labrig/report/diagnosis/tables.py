@@ -17,6 +17,7 @@ from model.discrepancy.verdict.messages import (
     closed_sentence,
     listed,
     nothing_separates,
+    shortened,
 )
 from model.discrepancy.verdict.result import (
     Diagnosis,
@@ -187,7 +188,7 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
 def _class_sentence(one: Named) -> str:
     """Return the members of a class, their probability together, and that of each."""
     names = [title(name) for name in (one.name, *one.confusable_with)]
-    members = listed([*names, *map(answer_title, one.or_else)], "or")
+    members = listed([*shortened(names), *map(answer_title, one.or_else)], "or")
     each = ", ".join(f"{answer_title(name)} {percent(p)}" for name, p in one.probabilities.items())
     known = "this class" if len(names) > 1 else names[0]
     text = f"One of {members}: {percent(one.confidence)} probability of {known}"
@@ -205,7 +206,8 @@ def improvement_table(found: Diagnosis) -> Table:
     if len({row.position_m for row in found.rows if row.position_m is not None}) > 1:
         rows += _gap_rows("all, left out", found.held_out.before, found.held_out.after)
         note += " Left out: each position predicted by fits without it."
-    for name in dict.fromkeys(row.configuration for row in found.rows):
+    sheets = list(dict.fromkeys(row.configuration for row in found.rows))
+    for name in sheets if len(sheets) > 1 else ():
         own = [row for row in found.rows if row.configuration == name]
         rows += _gap_rows(f"{name}, fitted", *(_rms_gap(own, when) for when in ("before", "after")))
     if found.closed_gap is not None:
@@ -250,9 +252,10 @@ def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:
     if session is not None:
         said.append(f"Its protocol: labrig next {typed(session)} -o protocol.toml")
     elif pair is not None:
+        between = found.next_measurement.between or (pair.name, pair.confusable_with[0])
         said.append(
             "Its protocol: labrig next with the same files and "
-            f"--between {pair.name} {pair.confusable_with[0]} -o protocol.toml"
+            f"--between {' '.join(between[:2])} -o protocol.toml"
         )
     return said
 

@@ -32,6 +32,7 @@ DIFFERS = {
     "registration": "the place in the picture",
 }  # fmt: skip
 
+MOST_TOLD = 4  # names in a sentence; the table of probabilities has all
 EVEN_SHARE = 1e-6  # of a profile's size: what it varies less is the same everywhere
 OTHER_ANSWERS = {
     UNKNOWN: "something that is not in the catalogue", NOTHING: "nothing of the kind",
@@ -131,8 +132,11 @@ def _or_elsewhere(unknown: Unknown) -> str:
 
 
 def class_name(one: Named) -> str:
-    """Return the name of an effect, or all answers of its set, names with their probability."""
-    answers = [answer_title(name) for name in (one.name, *one.confusable_with, *one.or_else)]
+    """Return the name of an effect, or the answers of its set, names with their probability."""
+    answers = [
+        *shortened([title(name) for name in (one.name, *one.confusable_with)]),
+        *map(answer_title, one.or_else),
+    ]
     if len(answers) == 1:
         return answers[0]
     names = " or ".join(answers)
@@ -263,6 +267,13 @@ def promise_note(one: Promise) -> str:
         f" {one.proposal.separation:.1f} sigma apart; promised {one.proposal.expected:.1f},"
         f" found {one.found:.1f}"
     )
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """Return the first of many names, and how many others there are; a few as they are."""
+    if len(names) <= MOST_TOLD:
+        return list(names)
+    return [*names[: MOST_TOLD - 1], f"{len(names) - MOST_TOLD + 1} others"]
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:

@@ -21,6 +21,7 @@ from model.discrepancy.thresholds import (
     NEIGHBOUR_EVIDENCE_LN,
     SEPARATION_SIGMA,
 )
+from model.discrepancy.verdict.messages import shortened
 from model.discrepancy.verdict.posterior import Choice
 from model.effects import title
 from model.identification.likelihood.forward_model import ForwardModel
@@ -50,7 +51,7 @@ class Neighbours(VerdictCheck):
                     consequence=Consequence.INDISTINGUISHABLE,
                     sentence=(
                         f"these data do not tell {title(one.effect.name)} from"
-                        f" {' or '.join(map(title, odds))}"
+                        f" {' or '.join(shortened([title(name) for name in odds]))}"
                     ),
                     effects=(one.effect.name,),
                     rivals=tuple(odds),
