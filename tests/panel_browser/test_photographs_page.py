@@ -122,6 +122,7 @@ def test_clicked_once_for_all_then_accepted_and_refused(folder, address, visit):
     page.locator("text=Wrote c.optics.json").wait_for()
     assert len(json.loads((folder / "c.optics.json").read_text())["mask_px"][0]) == 3
     assert urlsplit(page.url).fragment == "/photographs"
+    page.locator("text=pixels a mm (c.optics.json: ").wait_for()  # and not that of all
 
     # a curve that was lost: places on the strip, and its tip
     page.locator(".photograph-open[aria-label=b]").click()

@@ -137,7 +137,7 @@ class PhotographFolder:
             }
             for name, of in places.items()
         }
-        sheet = beside(one.path, SHEET_FILE, None)
+        sheet, file = (beside(one.path, kind, None) for kind in (SHEET_FILE, OPTICS_FILE))
         known = None
         if optics is not None:
             known = {
@@ -145,6 +145,7 @@ class PhotographFolder:
                 "strips": strips,
                 **_shown(optics.facts, FactOf.PICTURE),
                 "method": optics.method or "",
+                "file": "" if file is None else file.name,
             }
         return {"known": known, "known_fault": "", "sheet": _sheet_words(sheet)}
 

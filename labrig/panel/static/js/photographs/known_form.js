@@ -93,7 +93,8 @@ export class KnownForm {
       for (const { key, of } of tools) if (of === "picture") this.pictures[key] = known[key];
     }
     if (!(this.strip in this.places)) this.strip = Object.keys(this.places)[0];
-    const scale = known ? `${known.px_per_mm.toPrecision(4)} pixels a mm (${known.method || "optics.json"})` : "no scale yet: click a ruler";
+    const origin = known ? [known.file, known.method].filter(Boolean).join(": ") : "";
+    const scale = known ? `${known.px_per_mm.toPrecision(4)} pixels a mm (${origin})` : "no scale yet: click a ruler";
     setText(this.known, fault || `${scale}; ${sheet || "no length yet: state it"}.`);
     this.choose(known ? this.tool : "clamp");
     this.showStrips();
