@@ -67,9 +67,11 @@ def written(
     if not any(one.ways for one in (*found, *unnamed)):
         yield final
         return
-    first = () if forms_asked_for(known, final) else _rigid(known, final, unnamed)
-    formed_ones = _formed(known, final, [*found, *unnamed])
-    yield from _as_good_as_found(final, chain(first, formed_ones, _rigid(known, final)))
+    every = chain(_formed(known, final, [*found, *unnamed]), _rigid(known, final))
+    if forms_asked_for(known, final):
+        yield from _as_good_as_found(final, every)
+    else:
+        yield from chain(_rigid(known, final, unnamed), every)
     yield known
 
 
@@ -79,7 +81,8 @@ def _as_good_as_found(
     """Yield fits as they come, or the best first where the first is worse than what was found.
 
     A form that the catalogue does not nearly have is no small change of it: with it in the model a
-    fit may end elsewhere than the straight line of the search does.
+    fit may end elsewhere than the straight line of the search does. Asked where left-out positions
+    ask for the form at all: what they say of one in time is no measure of another session.
     """
     noise = variance(final)
     for one in offers:
