@@ -24,7 +24,7 @@ from labrig.cli.sentences.compiling import TOLD, compiling_is_told
 from labrig.errors import ExitCode
 from labrig.files import typed
 from labrig.session.reading.opening import cut_short
-from labrig.version import NOT_INSTALLED, version
+from labrig.version import NOT_INSTALLED, commit_of, version
 
 COMMANDS = {command.name: command for command in all_commands()}
 
@@ -34,7 +34,39 @@ def test_the_version_is_that_of_the_distribution(capsys):
     said = capsys.readouterr().out
     assert re.fullmatch(r"labrig \S+ \(Python 3\.\d+\.\d+\S*, \w+\)\n", said)
     assert version() in said
+    installed = importlib.metadata.version("labrig")
+    assert version().partition("+")[0] == installed.partition("+")[0]
+
+
+def test_an_editable_checkout_has_the_version_of_its_present_commit(tmp_path, monkeypatch):
+    """A session recorded the commit at which labrig was installed, not the one that ran."""
+
+    def git(*arguments):
+        identity = ("-c", "user.name=x", "-c", "user.email=x@x.invalid")
+        command = ["git", *identity, "-C", str(tmp_path), *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+    (tmp_path / "pyproject.toml").write_text('name = "labrig"\n')
+    git("init", "--quiet", "--initial-branch=main")
+    git("add", ".")
+    git("commit", "--quiet", "-m", "first")
+    monkeypatch.setattr("labrig.version._SOURCES", tmp_path)
+    commit_of.cache_clear()
+    assert version().endswith(f"+g{git('rev-parse', 'HEAD')[:9]}")
+    git("commit", "--quiet", "--allow-empty", "-m", "second")
+    git("pack-refs", "--all")
+    git("worktree", "add", "--quiet", str(tmp_path / "beside"), "-b", "other")
+    commit = git("rev-parse", "HEAD")
+    for sources in (tmp_path, tmp_path / "beside"):
+        commit_of.cache_clear()
+        assert commit_of(sources) == commit
+    git("checkout", "--quiet", "--detach")
+    commit_of.cache_clear()
+    assert commit_of(tmp_path) == commit
+    assert commit_of(tmp_path / "nowhere") == ""
+    monkeypatch.setattr("labrig.version._SOURCES", tmp_path / "nowhere")
     assert version() == importlib.metadata.version("labrig")
+    commit_of.cache_clear()
 
 
 def test_what_somebody_has_named_is_printed_as_it_is(capsys, monkeypatch):

@@ -19,6 +19,7 @@ from labrig.serialise import SerialiseError, from_plain, to_json, to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import check_channels, value_columns, version_1_channel
 from labrig.session.format.devices import RecordedDevice
+from labrig.version import version
 from protocols import Channel
 from protocols.planning.limits import check_structure
 from protocols.planning.schedule import Schedule
@@ -28,7 +29,7 @@ IMPORTED_FRAME_RATE_HZ = 25.0
 DEVICES_SINCE = 3  # version of the layout
 _MOST_HZ = 1e7
 _MOST_PIXELS = 16_384  # rows or columns
-_PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
+_PACKAGES = ("numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
 
 
 def present_versions() -> dict[str, str]:
@@ -47,7 +48,7 @@ def _versions_at(path: tuple[str, ...]) -> dict[str, str]:
             found[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             found[package] = "absent"
-    return found
+    return found | {"labrig": version()}
 
 
 def _plugin_versions() -> dict[str, str]:
