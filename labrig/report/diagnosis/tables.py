@@ -297,7 +297,6 @@ def suspicion_sentence(one: Suspicion) -> str:
 def further_sentences(found: Diagnosis) -> list[str]:
     """Outliers and remarks of the procedure."""
     said = [*data_check_sentences(found)]
-    said += [f"Outlier, left out: {name}." for name in found.outliers]
     return [*said, *(note.rstrip(".") + "." for note in found.notes)]
 
 

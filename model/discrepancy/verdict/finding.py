@@ -51,6 +51,7 @@ from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     cut_short,
     improbable,
+    left_out_of_verdict,
     many_left_out,
     noisy,
     not_written,
@@ -215,7 +216,9 @@ class Finding:
         """Return the sentence of the verdict, and that of the checks which failed."""
         unsolved = self.written.unsolved if self.written.without else ""
         said = sentence(verdict, named, unknown, left_out.gap, doubt, left_out.closed, unsolved)
-        return " ".join(filter(None, [said, self.decision.criticism.sentence]))
+        outliers = [condition_name(self.outcome.base.problem, n) for n in self.outcome.outliers]
+        further = left_out_of_verdict(outliers), self.decision.criticism.sentence
+        return " ".join(filter(None, [said, *further]))
 
     @property
     def _enough(self) -> bool:

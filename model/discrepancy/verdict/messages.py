@@ -373,10 +373,19 @@ def cut_short(effort: Effort) -> Iterator[str]:
         )
 
 
+def left_out_of_verdict(outliers: Sequence[str]) -> str:
+    """Return the sentence of conditions that nothing explains; empty: there are none."""
+    if not outliers:
+        return ""
+    left_out = "One condition was" if len(outliers) == 1 else f"{len(outliers)} conditions were"
+    them = "it" if len(outliers) == 1 else "them"
+    return f"{left_out} left out, as nothing explains {them}: {'; '.join(shortened(outliers))}."
+
+
 def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:
     """Yield further notes; `chosen` is the best name with each position left out."""
     if outliers:
-        yield f"outliers, left out: {', '.join(outliers)}"
+        yield f"outliers, left out: {'; '.join(outliers)}"
     other = sorted({c for c in chosen if c} - {n.name for n in named})
     if named and other:
         times = sum(c in other for c in chosen)

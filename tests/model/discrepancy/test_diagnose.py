@@ -218,6 +218,7 @@ def test_a_run_set_up_badly_is_left_out_beside_an_effect():
     assert len({name.rsplit(",", 1)[0] for name in found.outliers}) == 1
     assert found.closed > 0.9
     assert any(note.startswith("outliers, left out: ") for note in found.notes)
+    assert "left out, as nothing explains" in found.sentence
 
 
 @pytest.mark.slow
