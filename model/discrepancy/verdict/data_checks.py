@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from model.discrepancy.search.order_of_positions import positions_in_order
 from model.discrepancy.thresholds import SLIP_LENGTH_RATIO
+from model.discrepancy.verdict.result import Unknown
 from model.identification.data.run_key import run_key
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
+
+# effects that go with the time of the session, or begin at a position
+COURSES = frozenset({"eibm_drift", "force_drift", "roll_sticking", "stiffness_drift"})
 
 
 def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
@@ -18,6 +23,24 @@ def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
     yield from _of_no_run(measurements)
     yield from _without_curves(measurements)
     yield from _wetting(measurements)
+
+
+def place_or_time(
+    base: MixedModelFit, names: Collection[str], unknown: Unknown | None
+) -> Iterator[str]:
+    """Yield that what goes with the place may go with the time, where either was found.
+
+    Of one sheet at positions in their order; a second one has other times at the same places.
+    """
+    sheets = base.problem.forward.data_vectors
+    found = not COURSES.isdisjoint(names)
+    if unknown is not None:
+        found |= unknown.along in ("position", "time")
+    if found and len(sheets) == 1 and positions_in_order(sheets):
+        yield (
+            "the positions were measured one after the other, so what goes with the place may as"
+            " well go with the time; measure some of them again, in another order"
+        )
 
 
 def _wetting(measurements: Measurements) -> Iterator[str]:

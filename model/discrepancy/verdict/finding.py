@@ -44,7 +44,7 @@ from model.discrepancy.thresholds import (
     NONPARAMETRIC_MARGIN_LN,
 )
 from model.discrepancy.verdict import prediction_error as gaps
-from model.discrepancy.verdict.data_checks import remarks
+from model.discrepancy.verdict.data_checks import place_or_time, remarks
 from model.discrepancy.verdict.decision import Decision, Judgement
 from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
@@ -195,6 +195,7 @@ class Finding:
                 ),
                 *written_instead(self.written.replaced, self.written.instead),
                 *notes(named, outliers, cross_validated.chosen),
+                *place_or_time(base, _reported(named), unknown),
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),
             model=self.written.model,

@@ -31,6 +31,12 @@ def means_of(m: Measurements) -> Measurements:
     return replace(m, conditions=tuple(conditions), series=())
 
 
+def of_one_sheet(m: Measurements, name: str) -> Measurements:
+    """What was measured of one sheet, without series."""
+    conditions = tuple(one for one in m.conditions if one.configuration == name)
+    return replace(m, conditions=conditions, sheets={name: m.sheets[name]}, series=())
+
+
 def without_first_pulses(m: Measurements) -> Measurements:
     """The same in which nobody wrote down what was discarded."""
     conditions = [
@@ -69,6 +75,7 @@ __all__ = [
     "diagnosed",
     "fitted",
     "means_of",
+    "of_one_sheet",
     "session",
     "without_first_pulses",
 ]

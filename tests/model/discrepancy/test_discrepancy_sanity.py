@@ -8,8 +8,8 @@ import pytest
 
 from model import ModelError
 from model.discrepancy.prepare import DiagnoseOptions, prepare
-from model.discrepancy.verdict.data_checks import remarks
-from tests.model.discrepancy.sessions import base_fit, session
+from model.discrepancy.verdict.data_checks import place_or_time, remarks
+from tests.model.discrepancy.sessions import base_fit, fitted, of_one_sheet, session
 
 
 def test_a_usual_session_is_not_remarked_upon():
@@ -69,3 +69,12 @@ def test_a_sheet_of_which_most_curves_are_missing_is_named():
     assert said.startswith(f"'long' has no curve in {len(lost)} of {every} conditions")
     none = tuple(replace(c, curve=None) for c in m.conditions)
     assert list(remarks(replace(m, conditions=none), base_fit())) == []
+
+
+def test_where_place_and_time_go_together_a_drift_comes_with_a_note():
+    """A zero that had stepped was called sticking rolls from a position on, without a word."""
+    one = fitted(of_one_sheet(session(), "long"))
+    assert list(place_or_time(one, ["gravity"], None)) == []
+    (said,) = place_or_time(one, ["gravity", "force_drift"], None)
+    assert "what goes with the place may as well go with the time" in said
+    assert list(place_or_time(base_fit(), ["force_drift"], None)) == []  # two times at each place

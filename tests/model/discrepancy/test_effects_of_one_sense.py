@@ -14,7 +14,7 @@ from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
-from tests.model.discrepancy.sessions import NOTHING, DiagnoseOptions, session
+from tests.model.discrepancy.sessions import NOTHING, DiagnoseOptions, of_one_sheet, session
 
 LEADS_N = 3e-4  # by which forces of the two polarities are farther apart than the load
 
@@ -27,11 +27,6 @@ def ahead_of_the_load(m: Measurements) -> Measurements:
         ))
         for one in m.conditions
     ))  # fmt: skip
-
-
-def of_one_sheet(m: Measurements, name: str) -> Measurements:
-    conditions = tuple(one for one in m.conditions if one.configuration == name)
-    return replace(m, conditions=conditions, sheets={name: m.sheets[name]}, series=())
 
 
 @pytest.mark.slow
