@@ -84,8 +84,11 @@ def diagnose(
         progress: called with the share done (0 to 1) and a text.
 
     Returns:
-        Diagnosis: `verdict`, `sentence`, `effects` with parameters, `ranking`, and `model`, the
-        sheet's model with what was found.
+        Diagnosis: `verdict`, `sentence`, `effects` with parameters in SI units but where a name
+        has another one, `base` (B and EIBMs, SI), `unknown`, `notes`, `ranking`, and `model`, the
+        sheet's model as `labrig diagnose -o` writes it: with what was found, with an effect that
+        these data do not tell from it, or without, as `notes` say. `fitted` and `held_out` have
+        the errors before and after, in mN and mm; `held_out` is of positions left out in turn.
 
     Raises:
         LabrigError, ModelError: one sentence that names the missing data or the wrong argument.

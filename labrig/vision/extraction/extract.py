@@ -60,14 +60,21 @@ def neutral_curve(
     *,
     start: NeutralCurve | None = None,
 ) -> NeutralCurve:
-    """Return the neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
+    """Return the neutral curve of the sheet in an image, from the clamp to the visible end.
 
-    `start`: the curve of an image shortly before; it is followed, which is several times faster,
-    and given up for a search from the clamp where its curve fails the self-check. Where neither
-    length, tip nor places are stated, a second look at what stands out in the picture may lead the
-    curve on or cut it; a curve that is followed is looked at again only where the one before had
-    been changed by that. What cannot be measured comes back with `ok` False and the
-    reason, never raised. `labrig.read_image` and `labrig.load_optics` read the files.
+    image: (rows, columns) grey; (rows, columns, 3) blue, green, red, or with alpha as a fourth, in
+    OpenCV's order: turn round what Pillow or imageio read (`image[..., ::-1]`). uint8, uint16, or
+    floats in levels of the camera. `labrig.read_image` and `labrig.load_optics` read the files.
+
+    start: the curve of an image shortly before; it is followed, which is several times faster, and
+    given up for a search from the clamp where its curve fails the self-check.
+
+    The curve has places in m and curvatures in 1/m, all with standard uncertainties. Where neither
+    length, tip nor places are stated, a second look at what stands out in the picture may lead it
+    on or cut it; a curve that is followed is looked at again only where the one before had been
+    changed by that. What cannot be measured comes back with `ok` False and the reason, `why`.
+
+    Raises BadInputError for arguments of another type alone.
     """
     _refuse_other_types(optics, strip, start)
     found = unconfirmed_curve(image, optics, strip, start=start)
