@@ -1,5 +1,7 @@
 """Resume an unfinished session: its complete runs are published again as events.
 
+A run of which no reading counts is not complete: whatever spoilt it, it is measured again.
+
 The session stays as it is. The new one is a whole session: the complete runs are copied into it,
 through the same writer and journal, before the first voltage; then the others are run. A kill
 at any moment costs no more than in an ordinary session.
@@ -27,6 +29,7 @@ from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
 from labrig.session.reading.moves import moves_of
 from protocols.execution import events as ev
+from protocols.planning.schedule import ReadingKind
 
 _BLOCK = 10_000  # samples in one event
 _FRAMES = 32  # frames in one event, of those that go with no reading
@@ -68,8 +71,11 @@ class Resumption:
 
     @property
     def done(self) -> frozenset[int]:
-        """Return the runs that are complete."""
-        return frozenset(run.planned.index for run in self.session.runs if run.completed)
+        """Return the runs that are complete, and of which a reading counts, or of their repeat."""
+        complete = [run.planned for run in self.session.runs if run.completed]
+        counting = [run.planned for run in self.session.runs if run.completed and _counts(run)]
+        some = {one.index for one in counting} | {one.repeats for one in counting}
+        return frozenset(one.index for one in complete if one.index in some)
 
     def check(self, plan: Plan) -> None:
         """BadInputError unless the plan is the session's, and something is left to do."""
@@ -125,7 +131,7 @@ class Resumption:
         for whose, runs in copied.items():
             handle(ev.Resumed(began_s + shift_s, whose, runs))
         for run in self.session.runs:
-            if run.completed:
+            if run.planned.index in done:
                 moves = moves_of(self.session, run, shift_s)
                 for event in _events_of(run, shift_s, moves):
                     handle(event)
@@ -153,6 +159,12 @@ def _on_virtual_clock(session: RecordedSession) -> bool:
     """Whether its boards were simulated in the process that recorded it."""
     tables = session.resolved.get("rig", {}).values()
     return any(isinstance(each, dict) and each.get("address") == SIMULATED for each in tables)
+
+
+def _counts(run: RunRecord) -> bool:
+    """Return whether any of a run's readings counts; one that takes none does."""
+    kept = [row for row in run.readings if str(row["kind"]) != ReadingKind.DISCARDED.value]
+    return not kept or any(bool(row["valid"]) for row in kept)
 
 
 def _events_of(run: RunRecord, shift_s: float, moves: Iterable[ev.Event]) -> Iterator[ev.Event]:

@@ -165,6 +165,19 @@ def test_a_complete_session_is_not_resumed(
     assert "nothing to resume" in capsys.readouterr().err
 
 
+def test_a_run_of_which_no_reading_counts_is_measured_again(session: Path, tmp_path: Path) -> None:
+    """Of a camera that turned black in the first run nothing could be had again."""
+    path = tmp_path / "s.h5"
+    shutil.copy(session, path)
+    assert labrig("mark", path, "--run", "2", "--why", "a draught", "--who", "Ann") == 0
+    assert labrig("run", "--resume", path) == 0
+    with open_session(path) as old, open_session(tmp_path / "s-resumed.h5") as new:
+        assert not any(row["valid"] for row in old.runs[1].readings)
+        assert any(row["valid"] for row in new.runs[1].readings)
+        first, again = (one.runs[0].readings["force_N"] for one in (old, new))
+        np.testing.assert_array_equal(first, again)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
