@@ -50,10 +50,10 @@ def run(
     It asks for moves and moistening. Ctrl-C once stops after the current pulse, twice at once; the
     output is 0 V either way. With replay = "session.h5" in rig.toml, that session is played.
 
-    With --resume, the missing runs of a session are made: its complete runs are copied into a new
-    session (NAME-resumed.h5 unless -o names it), and the first incomplete one begins again. Without
-    rig.toml, [hooks] and [publish] of the session's own are not used, and a world.toml or
-    watch.token that it names is looked for beside the session.
+    With --resume, the missing runs of a session are made, and those of which no reading counts: its
+    complete runs are copied into a new session (NAME-resumed.h5 unless -o names it), and the first
+    incomplete one begins again. Without rig.toml, [hooks] and [publish] of the session's own are
+    not used, and a world.toml or watch.token that it names is looked for beside the session.
 
     With --diagnose, the session is diagnosed after the run. Where several effects remain possible,
     the measurement that separates them is made as a session of its own (NAME-2.h5, ...), and all
