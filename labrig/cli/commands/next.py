@@ -85,7 +85,7 @@ def next_measurement(
     It writes the protocol of that measurement.
 
     Without --between, it is the one that the diagnosis of the (first) session proposes; a session
-    without a diagnosis, or tables, are diagnosed first.
+    without a diagnosis is diagnosed first, and so are tables.
 
     With --dynamic, it prints which further run would determine which parameter of the sheet in
     time: the 90 % intervals now and expected. It fits the session as labrig fit --dynamic does, or
