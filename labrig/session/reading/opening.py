@@ -114,6 +114,12 @@ def _why_not(path: Path, error: OSError) -> str:
 
 def cut_short(path: Path) -> str:
     """Return the sentence about a session without an end."""
+    recovered = recovered_beside(path)
+    if recovered.exists():
+        return (
+            f"{path}: its recording was cut short; what could be saved of it is in "
+            f"{typed(recovered)}."
+        )
     guard = read_guard_report(path)
     if guard is not None:
         return f"{path}: {guard.text}; run labrig recover {typed(path)}."
@@ -121,6 +127,11 @@ def cut_short(path: Path) -> str:
         f"{path}: this session is being recorded right now, or its recording was cut short; in "
         f"that case run labrig recover {typed(path)}."
     )
+
+
+def recovered_beside(path: Path) -> Path:
+    """Return where `labrig recover` puts what it saves of a session."""
+    return path.with_name(f"{path.stem}-recovered{path.suffix}")
 
 
 def check_format(file: Any, path: Path) -> None:

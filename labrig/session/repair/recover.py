@@ -21,7 +21,7 @@ from labrig.session.notes.add import add_waiting
 from labrig.session.notes.stored import add_to_file
 from labrig.session.notes.waiting import WaitingNotes, open_waiting
 from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
-from labrig.session.reading.opening import check_format, check_is_hdf5
+from labrig.session.reading.opening import check_format, check_is_hdf5, recovered_beside
 from labrig.session.reading.session import open_session
 from labrig.session.reading.values import damage_told, read_setup, read_text
 from labrig.session.recording.create import create_file
@@ -97,7 +97,7 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
     journal = read_journal(beside)
     if _is_whole(path):
         return _nothing_to_do(path, beside, in_place)
-    target = path if in_place else (output or path.parent / f"{path.stem}-recovered{path.suffix}")
+    target = path if in_place else (output or recovered_beside(path))
     if target.exists() and not in_place:
         raise BadInputError(f"{target} exists already; choose another name.")
     notes: list[str] = []

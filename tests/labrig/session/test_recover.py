@@ -127,6 +127,14 @@ def test_what_was_recovered_equals_what_a_whole_session_holds(cut, tmp_path):
 
 
 @pytest.mark.slow
+def test_who_opens_the_original_is_told_of_what_was_recovered(cut):
+    """It told to run `labrig recover` again, which refused because the file was there."""
+    recover(cut)
+    with pytest.raises(BadInputError, match=r"what could be saved of it is in .*s-recovered\.h5\."):
+        open_session(cut)
+
+
+@pytest.mark.slow
 def test_the_original_is_left_as_it_is(cut):
     before = cut.read_bytes(), journal_path(cut).read_bytes()
     recover(cut)
