@@ -131,7 +131,7 @@ def cut_short(path: Path) -> str:
 
 def recovered_beside(path: Path) -> Path:
     """Return where `labrig recover` puts what it saves of a session."""
-    return path.with_name(f"{path.stem}-recovered{path.suffix}")
+    return path.parent / f"{path.stem}-recovered{path.suffix}"
 
 
 def check_format(file: Any, path: Path) -> None:
