@@ -186,7 +186,7 @@ def in_time(clock: Clock, what: str, action: Callable[[], object], limit_s: floa
         action()
         return
     if not thread.join(limit_s):
-        raise DeviceTimeoutError(f"{what} has not come to an end in {limit_s:.2g} s")
+        raise DeviceTimeoutError(f"{what} has not come to an end in {limit_s:.3g} s")
     if raised:
         raise raised[0]
 

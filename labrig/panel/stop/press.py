@@ -104,7 +104,7 @@ class StopConnection:
                 return self._read_safe_state(began_s, "the last run left its output unknown")
             if self._rig is None:
                 return Pressed("", 0.0, f"{NO_RUN}, and it has no rig: nothing was read")
-            return self._read_safe_state(began_s, NO_RUN)
+            return self._read_safe_state(began_s, NO_RUN, self._rig)
         asked, refused = threading.Event(), list[str]()
         ask = (connection, who, why, asked, refused)
         threading.Thread(target=_ask, args=ask, daemon=True).start()
@@ -127,11 +127,12 @@ class StopConnection:
     def _pressed(self, began_s: float, text: str) -> Pressed:
         return Pressed(self._output, time.monotonic() - began_s, text)
 
-    def _read_safe_state(self, began_s: float, text: str) -> Pressed:
-        """`labrig safe` frees the boards, writes 0 V, reads it back."""
+    def _read_safe_state(self, began_s: float, text: str, rig: str | None = None) -> Pressed:
+        """`labrig safe` frees the boards, writes 0 V, reads it back; of the job's rig by default."""
         address = self._address or read_address(self._data)
         self._output = "unknown"
-        rig = self._rig if address is None or address.rig is None else address.rig
+        if rig is None and address is not None:
+            rig = address.rig
         if rig is None:
             return self._pressed(began_s, f"{text}; switch the amplifier off by hand")
         command = [sys.executable, "-m", "labrig", "safe", rig]

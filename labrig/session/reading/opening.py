@@ -115,7 +115,8 @@ def _why_not(path: Path, error: OSError) -> str:
 def cut_short(path: Path) -> str:
     """Return the sentence about a session without an end."""
     recovered = recovered_beside(path)
-    if recovered.exists():
+    # one of an earlier session of this name is older than what is recorded now
+    if recovered.exists() and recovered.stat().st_mtime >= path.stat().st_mtime:
         return (
             f"{path}: its recording was cut short; what could be saved of it is in "
             f"{typed(recovered)}."

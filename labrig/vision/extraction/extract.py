@@ -63,7 +63,7 @@ def neutral_curve(
     """Return the neutral curve of the sheet in an image, from the clamp to the visible end.
 
     image: (rows, columns) grey; (rows, columns, 3) blue, green, red, or with alpha as a fourth, in
-    OpenCV's order: turn round what Pillow or imageio read (`image[..., ::-1]`). uint8, uint16, or
+    OpenCV's order; Pillow and imageio read the colours the other way round. uint8, uint16, or
     floats in levels of the camera. `labrig.read_image` and `labrig.load_optics` read the files.
 
     start: the curve of an image shortly before; it is followed, which is several times faster, and

@@ -133,7 +133,8 @@ def _grey(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, li
 def on_white(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return the colours of an image with transparent parts, as they look on white paper.
 
-    image: (rows, columns, 4), integers, or floats from 0 to 1; the last channel is alpha.
+    image: (rows, columns, 4), integers, or floats from 0 to 1; the last channel is alpha. One that
+    is the same everywhere says nothing, and the colours are as they are.
     """
     colours, cover = image[:, :, :3], image[:, :, 3:]
     top = float(np.iinfo(image.dtype).max) if image.dtype.kind == "u" else 1.0

@@ -158,7 +158,6 @@ class Finding:
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         reported = self.written.predicting
         fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, reported)))
-        outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
             verdict=verdict,
             sentence=self._sentence(verdict, named, unknown, cross_validated, doubt),
@@ -181,7 +180,7 @@ class Finding:
             classes=classes(seen, unseen),
             rows=cross_validated.rows,
             scatter=_scatter(decision.final),
-            outliers=outliers,
+            outliers=self._outliers,
             notes=(
                 *self.ready.notes,
                 *remarks(self.measurements, base),
@@ -194,7 +193,7 @@ class Finding:
                     unknown_left_away=unknown is not None and not self.written.has_unknown,
                 ),
                 *written_instead(self.written.replaced, self.written.instead),
-                *notes(named, outliers, cross_validated.chosen),
+                *notes(named, self._outliers, cross_validated.chosen),
                 *place_or_time(base, _reported(named), unknown),
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),
@@ -217,9 +216,13 @@ class Finding:
         """Return the sentence of the verdict, and that of the checks which failed."""
         unsolved = self.written.unsolved if self.written.without else ""
         said = sentence(verdict, named, unknown, left_out.gap, doubt, left_out.closed, unsolved)
-        outliers = [condition_name(self.outcome.base.problem, n) for n in self.outcome.outliers]
-        further = left_out_of_verdict(outliers), self.decision.criticism.sentence
+        further = left_out_of_verdict(self._outliers), self.decision.criticism.sentence
         return " ".join(filter(None, [said, *further]))
+
+    @cached_property
+    def _outliers(self) -> tuple[str, ...]:
+        base = self.outcome.base
+        return tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
 
     @property
     def _enough(self) -> bool:

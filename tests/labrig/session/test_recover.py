@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 import signal
@@ -131,6 +132,9 @@ def test_who_opens_the_original_is_told_of_what_was_recovered(cut):
     """It told to run `labrig recover` again, which refused because the file was there."""
     recover(cut)
     with pytest.raises(BadInputError, match=r"what could be saved of it is in .*s-recovered\.h5\."):
+        open_session(cut)
+    os.utime(cut)  # as one that is recorded now under the same name
+    with pytest.raises(BadInputError, match="recorded right now"):
         open_session(cut)
 
 
