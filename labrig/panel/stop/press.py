@@ -128,11 +128,10 @@ class StopConnection:
         return Pressed(self._output, time.monotonic() - began_s, text)
 
     def _read_safe_state(self, began_s: float, text: str, rig: str | None = None) -> Pressed:
-        """`labrig safe` frees the boards, writes 0 V, reads it back; of the job's rig by default."""
+        """Free the boards, write 0 V and read it back by `labrig safe`; by default the job's."""
         address = self._address or read_address(self._data)
         self._output = "unknown"
-        if rig is None and address is not None:
-            rig = address.rig
+        rig = rig or (address and address.rig) or self._rig
         if rig is None:
             return self._pressed(began_s, f"{text}; switch the amplifier off by hand")
         command = [sys.executable, "-m", "labrig", "safe", rig]

@@ -12,6 +12,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from labrig.panel.job.registry import JobAddress, write_address
+from labrig.panel.stop.press import StopConnection
 from tests.labrig.panel.load import flood, silent
 from tests.labrig.panel.page import Page
 from tests.panel_browser.rig_world import energised_page, rig_world
@@ -149,3 +151,24 @@ def test_the_voltage_is_gone_at_once_though_connections_and_requests_abound(tmp_
         assert status == 200
         assert gone_s < LIMIT_S
         page.close()
+
+
+def test_stop_without_a_run_makes_the_panels_own_rig_safe(tmp_path, monkeypatch):
+    """The last job in a data folder may have been of another rig."""
+    old = JobAddress(
+        id="1", kind="run", by="Ann", wall="", session="s.h5", rig="other.toml", pid=1, port=1,
+        key="", state="ended", code=0,
+    )  # fmt: skip
+    write_address(tmp_path, old)
+    asked = []
+
+    def run(command, **_options):
+        asked.append(command[-1])
+        return subprocess.CompletedProcess(command, 0, "0 V", "")
+
+    monkeypatch.setattr("labrig.panel.stop.press.subprocess.run", run)
+    assert StopConnection(tmp_path, "rig.toml").press("Ann", "").output == "safe"
+    assert asked == ["rig.toml"]
+    told = StopConnection(tmp_path).press("Ann", "")
+    assert (told.output, asked) == ("", ["rig.toml"])
+    assert "nothing was read" in told.told
